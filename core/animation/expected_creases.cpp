@@ -24,8 +24,8 @@ std::vector<FoldAxis> axes_of(const Clamps& clamps) {
       if (!axis) axis = fold_axis(clamps, two, one);
       if (axis) axes.push_back(*axis);
     }
-  std::sort(axes.begin(), axes.end(),
-            [](const FoldAxis& a, const FoldAxis& b) { return a.reach < b.reach; });
+  std::stable_sort(axes.begin(), axes.end(),
+                   [](const FoldAxis& a, const FoldAxis& b) { return a.reach < b.reach; });
   return axes;
 }
 
@@ -144,8 +144,11 @@ class CutPattern {
     std::size_t best = all.size();
     double least = near;
     for (std::size_t i = 0; i < all.size(); ++i)
-      if (const double off = distance_to_segment(p, all[i], all[(i + 1) % all.size()]); off < least)
-        best = i, least = off;
+      if (const double off = distance_to_segment(p, all[i], all[(i + 1) % all.size()]);
+          off < least) {
+        best = i;
+        least = off;
+      }
     return best;
   }
   bool is_left(const Vector2d& p, By by) const {

@@ -73,7 +73,9 @@ class FoldAxisSearch {
       const std::optional<RigidMotion> pa = clamps_.pose(a, row), pb = clamps_.pose(b, row);
       if (!pa || !pb) continue;
       const double turn = Eigen::AngleAxisd(pa->turn.transpose() * pb->turn).angle();
-      if (turn > most) most = turn, at_most = {*pa, *pb};
+      if (turn <= most) continue;
+      most = turn;
+      at_most = {*pa, *pb};
     }
     if (most < min_turn) return std::nullopt;
     const auto& [pa, pb] = *at_most;

@@ -9,8 +9,8 @@
 #include "core/geometry/mesh_transfer.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/linear_algebra/symmetric_eigen.h"
-#include "core/model/error.h"
 #include "core/model/segment2.h"
+#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +57,7 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
   return turn / (line.b - line.a).norm();
 }
 
-/// Takes the plastic curvature along a line out of the grid of `is`, which is that of `then`.
+/// Takes the plastic curvature along a line out of the grid of the unfolded sheet.
 /// returns  [rad] the mean plastic turn about the line
 double uncurl_along(const FoldLine& line, const UnfoldedSheet& unfolded, const PastStep& then) {
   // the triangles and the turn of the line are of the mesh that the sheet has now
@@ -148,7 +148,7 @@ bool take(FoundFold& fold, const UnfoldedSheet& unfolded, const LoadStep& step) 
                                 longer_side(unfolded.shot.pattern), nullptr}},
                               {"", step.dt, step.halvings, {}})
                     .front();
-  } catch (const Error&) {  // the energy is not finite
+  } catch (const EnergyNotFinite&) {
     return false;
   }
   return fold.step.failure_reason.empty();

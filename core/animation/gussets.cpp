@@ -176,8 +176,10 @@ class Corner {
     int shut = -1;
     double most = 0;
     for (int row = 0; row < rows(); ++row)
-      if (const auto shape = shape_in(row, true); shape && std::abs(shape->turn) > most)
-        most = std::abs(shape->turn), shut = row;
+      if (const auto shape = shape_in(row, true); shape && std::abs(shape->turn) > most) {
+        most = std::abs(shape->turn);
+        shut = row;
+      }
     if (shut < 0) return false;
     double off[2] = {0, 0};  // [m2] outwards, and inwards
     for (const int h : clamps_.absolute())

@@ -110,10 +110,10 @@ bool SheetSimulation::IslandStep::settle() {
     return most;
   };
   const double before = stretch();
-  std::vector<SimulatedSheet::Snapshot> begun;
+  std::vector<SimulatedSheet::Snapshot> jammed;
   std::vector<DrivenSheet> targets;
   for (SheetSimulation* a : sheets_) {
-    begun.push_back(a->simulated_.snapshot());
+    jammed.push_back(a->simulated_.snapshot());
     targets.push_back(with_initial_positions(*a, a->driven_sheet(RecordTrajectory::no)));
     ColliderMotion& at = targets.back().input.colliders;
     at.from = at.to = between(at.from, at.to, a->now_.followed);
@@ -127,7 +127,7 @@ bool SheetSimulation::IslandStep::settle() {
   });
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
     if (crushed || after > before) {
-      sheets_[k]->restore(std::move(begun[k]));
+      sheets_[k]->restore(std::move(jammed[k]));
       continue;
     }
     sheets_[k]->now_.last_remesh.reset();  // the sheet has moved on since then

@@ -1,7 +1,7 @@
 #include "core/animation/release_trial.h"
 
 #include "core/geometry/measure.h"
-#include "core/model/error.h"
+#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
   for (int k = 0; k < max_steps && !arrived; ++k) try {
       last = simulated.elastic.step(sheet, at, 1 / fps_);
       arrived = last.converged && !last.snap_in_progress;
-    } catch (const Error&) {  // the energy is not finite
+    } catch (const EnergyNotFinite&) {
       break;
     }
   Swing swing = swing_to(sheet, start.sheet.x, vertices_of(at.constraints),

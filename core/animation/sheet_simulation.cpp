@@ -126,7 +126,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
 void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = simulated_.sheet;
   SolverState state = simulated_.elastic.state();
-  a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints, outcome_,
+  a(frame_, sheet, output_sheet_, simulated_.positions_before, resting_input_.constraints, outcome_,
     yielding_, folded_, joined_, simulated_.fixed, simulated_.has_bends, idle_frames_, state,
     handles_, dhat, keys_until_);
   release_.archive(a);
@@ -137,17 +137,17 @@ void SheetSimulation::archive(Serializer& a) {
   if (!a.reads()) return;
   a.end();
   const int row = frame_ - options_.first_frame;
-  input_before_.time = row / options_.fps;
+  resting_input_.time = row / options_.fps;
   const auto rows = sheet.x.rows();
   a.require(frame_ >= options_.first_frame && (simulated_.positions_before.rows() == 0 ||
                                                simulated_.positions_before.rows() == rows));
-  a.require(is_of_mesh(input_before_.constraints, sheet) && is_of_mesh(state, sheet) &&
+  a.require(is_of_mesh(resting_input_.constraints, sheet) && is_of_mesh(state, sheet) &&
             dhat.size() == number_);
   a.require(std::all_of(simulated_.handle_vertex.begin(), simulated_.handle_vertex.end(),
                         [&](int v) { return v < rows; }));
   if (shot_.colliders) {
-    input_before_.colliders = motion_to(*shot_.colliders, row);
-    input_before_.colliders.from = input_before_.colliders.to;
+    resting_input_.colliders = motion_to(*shot_.colliders, row);
+    resting_input_.colliders.from = resting_input_.colliders.to;
   }
   a.require(!release_.was_let_go() || options_.release_inertia == ReleaseInertia::automatic);
   if (release_.was_let_go()) simulated_.elastic.set_inertia(Inertia::dynamic);
@@ -200,18 +200,18 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   carried_.forget();
   // a sheet that is on its way down moves when it is relaxed, whatever its mesh
   if (!first && !outcome_.contact && (outcome_.at_minimum || simulated_.has_inertia()))
-    carried_.begin(sheet, input_before_);
+    carried_.begin(sheet, resting_input_);
   move_world();
   if (first && rehearsed_doublings_ > 0)
     add_note("it begins with " + std::to_string(1 << rehearsed_doublings_) +
              " times as many triangles: in a rehearsal it stretched instead of bending");
   now_.singular_before = sheet.singular.size();
   now_.max_motion =
-      max_displacement(sheet, now_.input, input_before_.constraints, simulated_.positions_before);
+      max_displacement(sheet, now_.input, resting_input_.constraints, simulated_.positions_before);
   idle_frames_ = now_.max_motion < sleep_threshold * simulated_.side ? idle_frames_ + 1 : 0;
   begin_trial();
   now_.relative_motion =
-      relative_handle_motion(sheet, now_.input.constraints, input_before_.constraints) /
+      relative_handle_motion(sheet, now_.input.constraints, resting_input_.constraints) /
       simulated_.side;
   now_.squeeze = may_jam() && outcome_.on_colliders > 0
                      ? squeeze(sheet.x, now_.input.colliders) / simulated_.side
@@ -221,9 +221,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
   const bool keeps_mesh = first || std::exchange(folded_, false);
   if (!keeps_mesh) try_proposal(context, is_admissible);
-  now_.came_from = input_before_.constraints;
-  input_before_ = now_.input;
-  input_before_.colliders.from = now_.input.colliders.to;
+  now_.came_from = resting_input_.constraints;
+  resting_input_ = now_.input;
+  resting_input_.colliders.from = now_.input.colliders.to;
   if (!keeps_mesh && now_.result.statistics.remesh != FrameStatistics::accepted) {
     change_mesh(context, is_admissible);
     if (now_.last_remesh) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
@@ -276,13 +276,13 @@ void SheetSimulation::begin_trial() {
   if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame)
     release_.skip();
   else
-    release_.begin(simulated_, lets_go(input_before_.constraints, now_.input.constraints));
+    release_.begin(simulated_, lets_go(resting_input_.constraints, now_.input.constraints));
 }
 
 bool SheetSimulation::end_trial() {
   if (!release_.is_on()) return false;
   const ReleaseTrial::Verdict verdict = release_.end(simulated_, *now_.step_start, now_.step,
-                                                     input_before_, fastest_drive(frame_ - 1));
+                                                     resting_input_, fastest_drive(frame_ - 1));
   add_note(verdict.note);
   return verdict.needs_inertia;
 }
@@ -325,7 +325,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
 
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
   SimulatedSheet::Snapshot as_it_was = simulated_.snapshot();
-  const BranchSearch found = probe_branches(simulated_.sheet, simulated_.elastic, input_before_,
+  const BranchSearch found = probe_branches(simulated_.sheet, simulated_.elastic, resting_input_,
                                             {1 / options_.fps, options_.seed, frame_});
   if (found.taken || found.finished) {
     if (!is_admissible(as_it_was.sheet, sheet(),

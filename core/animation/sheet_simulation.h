@@ -167,7 +167,7 @@ class SheetSimulation {
   double fastest_drive(int frame) const;
   void roll_back();
   void add_note(const std::string&);
-  void hold_if_infeasible();
+  bool hold_if_infeasible();
   bool is_locked() const;
   void begin_step(RecordTrajectory);
   /// Whether the sheet may change its mesh within the frame if it takes it alone.
@@ -201,7 +201,7 @@ class SheetSimulation {
   /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.
   bool is_held_back_by_mesh() const;
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
-  bool refine_mesh(SimulatedSheet::Snapshot&& begun);
+  bool refine_mesh(SimulatedSheet::Snapshot&& start);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();
@@ -223,7 +223,9 @@ class SheetSimulation {
   // what a frame knows of the frames before it
   int frame_;  // the last frame that was prepared
   Sheet output_sheet_;
-  StepInput input_before_;  // of the frame before, with the colliders standing still
+  // holds the sheet where a frame ends, with the colliders standing still: the frame before, until
+  // prepare() has come to the mesh, then the present one
+  StepInput resting_input_;
   StepOutcome outcome_;
   bool yielding_ = false;  // the paper, by a notable part of its folds, in the last frame
   bool folded_ = false;    // the sheet, along a line that was found in the last step

@@ -94,7 +94,7 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
   std::vector<double> stiffening = disc_factors(*proposal, shot_);
   const MeshSwapResult verdict =
       try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
-                    input_before_, 1 / options_.fps, is_admissible);
+                    resting_input_, 1 / options_.fps, is_admissible);
   method_->on_proposal_result(verdict.accepted, context.now);
   now_.result.statistics.remesh =
       verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
@@ -104,10 +104,10 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
   carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
 }
 
-bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
+bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start) {
   std::optional<PatternMesh> finer = method_->finer_mesh();
   if (!finer) return false;
-  restore(std::move(begun));
+  restore(std::move(start));
   simulated_.put_on(std::move(*finer));
   now_.last_remesh.reset();
   folds_.forget();
@@ -160,7 +160,7 @@ bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_adm
 }
 
 void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
-  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
+  const LoadStep now{resting_input_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
   std::optional<FoundFold> fold =
       folds_.find(now, {outcome_.yielded, outcome_.on_colliders > 0}, is_admissible);
   if (!fold) return;

@@ -25,16 +25,19 @@ StepInput SheetSimulation::input_of_part(int part) const {
   return input;
 }
 
-/// Holds a sheet that cannot follow its handles where it is, until they are where it can.
-void SheetSimulation::hold_if_infeasible() {
-  if (now_.step.failure_reason.empty()) return;
+/// Holds a sheet that cannot follow its handles where it is, until they are where it can. A jam
+/// lasts meanwhile.
+/// returns  whether it is held
+bool SheetSimulation::hold_if_infeasible() {
+  if (now_.step.failure_reason.empty()) return false;
   if (frame_ == options_.first_frame)
     throw Error(ErrorCode::simulation, frame_interval({}).where, now_.step.failure_reason,
                 "Let the sheet start where its handles are.");
   add_note("it stays as it was: " + now_.step.failure_reason);
   skip_step();
   now_.step.converged = false;
-  for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
+  for (PositionConstraint& c : resting_input_.constraints) c.target = sheet().x.row(c.vertex);
+  return true;
 }
 
 DrivenSheet SheetSimulation::driven_sheet(RecordTrajectory trace) {
@@ -78,18 +81,18 @@ bool SheetSimulation::may_step_in_parts() const {
 
 void SheetSimulation::keep_frame_start() {
   if (now_.frame_start) return;
-  Serializer begun;
-  archive(begun);
+  Serializer now;
+  archive(now);
   now_.frame_start.emplace(
-      FrameStart{begun.bytes(), simulated_.elastic.inertia(), release_, now_.result});
+      FrameStart{now.bytes(), simulated_.elastic.inertia(), release_, now_.result});
 }
 
 void SheetSimulation::undo_step() {
   if (!now_.frame_start) return roll_back();
   carried_.forget();
   simulated_.elastic.set_inertia(now_.frame_start->inertia);
-  Serializer begun(now_.frame_start->state);
-  archive(begun);
+  Serializer frame_start(now_.frame_start->state);
+  archive(frame_start);
   release_ = now_.frame_start->release;
   now_.result = now_.frame_start->result;
   now_.step_start.reset();
@@ -111,17 +114,16 @@ void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_
   const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
   const bool refines = may_refine();
   for (;;) {
-    std::optional<SimulatedSheet::Snapshot> begun;
-    if (refines) begun = simulated_.snapshot();
+    std::optional<SimulatedSheet::Snapshot> start;
+    if (refines) start = simulated_.snapshot();
     IslandStep({this}, {{}, InitialGap::apart, of_this, trace}).take();
-    if (!refines || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
+    if (!refines || !is_held_back_by_mesh() || !refine_mesh(std::move(*start))) break;
   }
   end_step();
 }
 
 void SheetSimulation::end_step() {
-  hold_if_infeasible();
-  hold_if_jammed();
+  if (!hold_if_infeasible()) hold_if_jammed();
   now_.trajectory.end(sheet());
 }
 
@@ -135,7 +137,7 @@ void SheetSimulation::add_to_step(const FrameStepResult& before) {
 
 void SheetSimulation::hold_if_jammed() {
   jam_.release();
-  if (now_.step.followed == 1 || !now_.step.failure_reason.empty()) return;
+  if (now_.step.followed == 1) return;
   jam_.hold(now_.input.colliders, now_.followed);
   if (now_.followed == 0) {
     const FrameStepResult tried = now_.step;

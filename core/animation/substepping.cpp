@@ -3,7 +3,7 @@
 #include "core/animation/imperfection.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
-#include "core/model/error.h"
+#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -147,7 +147,7 @@ std::vector<ElasticReport> step(const std::vector<DrivenSheet>& sheets, const Fr
 
 /// Why a step was rejected.
 struct Rejection {
-  std::string error;  // thrown by the solver; empty: none was
+  bool not_finite = false;  // the energy: the solver could not go on
   LengthDistortion distortion;
   bool jammed = false;
 };
@@ -174,8 +174,8 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
       result[k] = {1, reports[k].iterations, reports[k].converged, reports[k]};
     converged = std::all_of(reports.begin(), reports.end(),
                             [](const ElasticReport& r) { return r.converged; });
-  } catch (const Error& error) {
-    rejection.error = error.cause;
+  } catch (const EnergyNotFinite&) {
+    rejection.not_finite = true;
   }
   rejection.distortion = worst_of(sheets);
   const double trusted =
@@ -184,11 +184,11 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   if (may_jam(sheets, part.halvings)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
     const bool crushed =
-        !rejection.error.empty() || are_crushed(rejection.distortion, stretch_before, result);
+        rejection.not_finite || are_crushed(rejection.distortion, stretch_before, result);
     rejection.jammed = crushed && !far;
     unfinished = crushed || (far && !converged);
   }
-  if (!rejection.error.empty() || !(rejection.distortion.largest < trusted) || unfinished)
+  if (rejection.not_finite || !(rejection.distortion.largest < trusted) || unfinished)
     return rejection;
   for (const DrivenSheet& f : sheets)
     if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
@@ -196,8 +196,8 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
 }
 
 /// The message of a part of the frame that cannot be halved once more.
-/// throws  Error(ErrorCode::simulation) when the solver did
-std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
+/// throws  EnergyNotFinite when it was not
+std::string reason_of(const Rejection& rejection, int halvings, const FrameInterval& frame,
                       const std::vector<DrivenSheet>& sheets) {
   const auto any = [&](const auto& leads) {
     return std::any_of(sheets.begin(), sheets.end(), leads);
@@ -206,14 +206,14 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
       any([](const DrivenSheet& f) { return !f.input.constraints.empty(); })    ? "handles"
       : any([](const DrivenSheet& f) { return !f.input.colliders.to.empty(); }) ? "colliders"
                                                                                 : "other sheets";
-  if (!rejection.error.empty())
-    throw Error(ErrorCode::simulation, frame.where, rejection.error,
-                std::string("Move the ") + leading + " more slowly before this frame.");
+  if (rejection.not_finite)
+    throw EnergyNotFinite(frame.where,
+                          std::string("Move the ") + leading + " more slowly before this frame.");
   char cause[200];
   std::snprintf(cause, sizeof cause,
                 "The sheet cannot follow the %s: %d halvings of the time step, worst "
                 "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
-                leading, max_halvings, 100 * rejection.distortion.largest,
+                leading, halvings, 100 * rejection.distortion.largest,
                 100 * rejection.distortion.where.x(), 100 * rejection.distortion.where.y());
   return cause;
 }
@@ -290,8 +290,8 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
     }
     return result;
   }
-  if (part.halvings >= max_halvings && !is_long) {
-    const std::string reason = reason_of(*rejection, frame, sheets);
+  if (part.halvings >= std::max(max_halvings, frame.min_halvings) && !is_long) {
+    const std::string reason = reason_of(*rejection, part.halvings, frame, sheets);
     for (FrameStepResult& r : result) r.failure_reason = reason;
     return result;
   }

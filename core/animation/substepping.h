@@ -58,7 +58,7 @@ int halvings_of_squeeze(const ColliderMotion&);
 /// longer than three tenths of the reach of their barrier. Where such a step stretches an edge by
 /// more than 2 % and by more than before, or leaves a sheet 0.1 mm inside of a collider, it is not
 /// taken: the sheets are jammed, and stay as they were at the end of the last one.
-/// throws  Error(ErrorCode::simulation) when the energy is not finite
+/// throws  EnergyNotFinite
 std::vector<FrameStepResult> advance_frame(const std::vector<DrivenSheet>&, const FrameInterval&);
 
 }  // namespace paperbake

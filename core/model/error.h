@@ -14,7 +14,8 @@ enum class ErrorCode {
   folder = 6,      // the output folder is busy or not writable
 };
 
-/// The only exception of the project. It is written for the artist, and only the tool prints it:
+/// The exception of the project; what is thrown is one, or derived from it. It is written for the
+/// artist, and only the tool prints it:
 ///
 ///   place      file, node, frame: where
 ///   cause      one sentence: what is wrong, with numbers

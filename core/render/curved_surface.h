@@ -12,6 +12,7 @@ namespace paperbake {
 /// theta    [rad] of either sign
 /// returns  [1]
 double crease_share(double theta);
+constexpr double crease_begins = 0.4;  // [rad] dihedral angle up to which that is 0
 
 /// The curved sheet that a coarse mesh stands for: one quadratic patch for each triangle, with the
 /// same curve on both sides of every edge.

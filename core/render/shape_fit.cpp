@@ -158,7 +158,7 @@ Points3 ShapeFit::bend_pull(const Points3& y, const Points3& bend) const {
 
 Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
   // [1] cosine of an angle that is safely no crease: most hinges need no look at theirs
-  constexpr double smooth = 0.9211;  // cos(0.4) is 0.92106
+  static const double smooth = std::cos(crease_begins) + 4e-5;
   Points3 normal(faces_.size(), 3);
   for (std::size_t t = 0; t < faces_.size(); ++t) {
     const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);

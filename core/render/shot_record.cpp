@@ -83,7 +83,8 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
                                       disc_radius(shot.handles, h, shot.pattern)))
       features.points.push_back(p);
   for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
-  const double least = std::min(2.0, 0.25 * frames_.size()) * std::pow(shortening(0.4), 2);
+  const double least =
+      std::min(2.0, 0.25 * frames_.size()) * std::pow(shortening(crease_begins), 2);
   for (const auto& [key, crease] : creases_)
     if (crease.error >= least && !crease_under(folds_, crease.a, crease.b))
       features.creases.push_back({crease.a, crease.b, crease.error});

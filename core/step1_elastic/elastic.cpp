@@ -157,13 +157,13 @@ double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
   return at_rest.inside(sheet.x);
 }
 
-ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation settling) {
+ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation how_far) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);
   s.begin_creases(sheet, input, problem);
   const Points3 before = sheet.x;
   constexpr double coarser = 10;  // the next step continues from here
-  const bool coarse = settling == Relaxation::coarse;
+  const bool coarse = how_far == Relaxation::coarse;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
   if (coarse) {
     how.stop *= coarser;
@@ -230,12 +230,12 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
   if (!contact_enabled || !state.had_contact) {
     // a sheet that rests on a collider has no second branch unless it is locked, and needs few
     // mixed Newton iterations
-    const bool lies = colliders && colliders->touching(before) > 0;
-    if (lies) {
+    const bool rests_on_collider = colliders && colliders->touching(before) > 0;
+    if (rests_on_collider) {
       state.second.reset();
       state.descending = false;
     }
-    const int most = lies ? options.max_iterations : max_iterations_of_step();
+    const int most = rests_on_collider ? options.max_iterations : max_iterations_of_step();
     NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_interactive() ? 5 : 0)}),
                       is_interactive() && state.descending ? NewtonOptions::line_search_newton
                                                            : NewtonOptions::both};
@@ -243,12 +243,13 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
       how.should_abort = [&](const Points3& x) {
         return !contact->is_collision_free(before, x, step.hard);
       };
-    if (lies) how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
+    if (rests_on_collider)
+      how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
     report = solve(sheet, step, nullptr, how,
-                   lies ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
-    report.snap_in_progress |= lies && !report.converged;
+                   rests_on_collider ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
+    report.snap_in_progress |= rests_on_collider && !report.converged;
     const int more = extra_iterations * options.max_iterations / default_iterations;
-    if (is_interactive() && !lies && !report.converged && more > 0 &&
+    if (is_interactive() && !rests_on_collider && !report.converged && more > 0 &&
         largest_stretch(sheet) > unfinished_stretch) {
       const ElasticReport so_far = report;
       report = solve(sheet, step, nullptr, {stop, more, more, NewtonOptions::line_search_newton},

@@ -189,7 +189,7 @@ class Elastic {
   /// On meshes of at most 400 triangles a snap-through may span several frames. After the first
   /// three steps a step ends after at most 42 iterations, or 82 as long as an edge is stretched by
   /// more than 0.6 %; the descents on both branches continue in the next step.
-  /// throws Error(ErrorCode::simulation) when the energy is not finite
+  /// throws EnergyNotFinite
   ElasticReport step(Sheet&, const StepInput&, double dt);
 
   /// The constraints half way from where the sheet is to their targets. Those that hold a panel of
@@ -200,7 +200,7 @@ class Elastic {
   /// their potentials over the vertices of all of them, with one contact between and within the
   /// sheets, so that a push is passed on to the last of them. All handles pull with springs.
   /// dhat    |sheets|x|sheets| [m] dhat between two sheets; on the diagonal dhat() of each
-  /// throws  Error(ErrorCode::simulation) when the energy is not finite
+  /// throws  EnergyNotFinite
   static std::vector<ElasticReport> step_together(const std::vector<JointStepSheet>&,
                                                   const Eigen::MatrixXd& dhat, double dt);
 
@@ -259,7 +259,7 @@ struct JointStepSheet {
   const StepInput& input;
   // |V|x3 [m] positions of its vertices at the beginning of the shot, if one of the sheets began on
   // another one; else empty for all sheets
-  const Points3& begun;
+  const Points3& initial_positions;
 };
 
 /// The trajectory of a sheet.
@@ -269,7 +269,7 @@ struct SweptSheet {
   // |V|x3 [m] positions with straight motion in between, at the same times as those of the other
   // sheet
   const std::vector<Points3>& places;
-  const Points3& begun;  // as in JointStepSheet
+  const Points3& initial_positions;  // as in JointStepSheet
 };
 
 /// Pushes a mesh out of colliders without a solver: one that is derived from a simulated mesh and

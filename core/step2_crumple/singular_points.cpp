@@ -7,6 +7,7 @@
 #include "core/geometry/proximity.h"
 #include "core/geometry/random.h"
 #include "core/geometry/vertex_rings.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,13 +68,10 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end,
 
 /// True when p, seen from `beyond`, lies well between a and b on the pattern, so that the triangle
 /// beyond the edge a-b can be extended to p.
-bool sees_both(const Sheet& sheet, int exceeds, int a, int b, const Vector2d& p) {
+bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) {
   constexpr double min_share = 0.1;
-  const Vector2d o = sheet.pattern.row(exceeds), u = sheet.pattern.row(a).transpose() - o,
+  const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o,
                  w = sheet.pattern.row(b).transpose() - o, q = p - o;
-  const auto cross = [](const Vector2d& m, const Vector2d& n) {
-    return m.x() * n.y() - m.y() * n.x();
-  };
   const double whole = cross(u, w);
   return cross(u, q) / whole > min_share && cross(q, w) / whole > min_share;
 }

@@ -29,10 +29,10 @@ double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
 /// corners move at constant speed, and those of one feature lie beyond those of the other, because
 /// n joins the closest points.
 static double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vector3d, 4>& moves,
-                          const Vector3d& n, int limit_step, double kept) {
+                          const Vector3d& n, int second_feature, double kept) {
   double t = 1;
-  for (int i = 0; i < limit_step; ++i)
-    for (int j = limit_step; j < 4; ++j)
+  for (int i = 0; i < second_feature; ++i)
+    for (int j = second_feature; j < 4; ++j)
       if (const double rate = n.dot(moves[i] - moves[j]); rate < 0)
         t = std::min(t, (n.dot(x[i] - x[j]) - kept) / -rate);
   return t;
@@ -46,7 +46,7 @@ double collision_free_step(const std::array<Vector3d, 4>& corners,
   constexpr double tight = 1e-7, tight_kept = 0.95;
   constexpr int max_steps = 60;
   const double speed = relative_move(moves, edges);
-  const int limit_step = edges ? 2 : 1;
+  const int second_feature = edges ? 2 : 1;
   const auto near_at = [&](const std::array<Vector3d, 4>& x) {
     return edges ? edge_to_edge(x) : vertex_to_triangle(x);
   };
@@ -60,7 +60,7 @@ double collision_free_step(const std::array<Vector3d, 4>& corners,
     const double step = of_the_way * (d - kept) / speed;
     if (!(step > 0)) return t;
     if (k > 0 && d - kept < 0.01 * gap_kept * d) return t;
-    t += std::max(step, within_slab(x, moves, near.apart / d, limit_step, kept));
+    t += std::max(step, within_slab(x, moves, near.apart / d, second_feature, kept));
     if (t >= 1) return 1;
     for (int i = 0; i < 4; ++i) x[i] = corners[i] + t * moves[i];
     near = near_at(x);

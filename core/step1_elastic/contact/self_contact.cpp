@@ -140,10 +140,11 @@ double Contact::dhat_of(const std::array<int, 4>& v, bool edges) const {
     return dhat_near_constraints(v, edges, dhat);
   }
   double dhat = sheets_.dhat(a, b);
-  if (sheets_.begun.rows() > 0) {
-    const double begun = begun_share * nearness(corners(sheets_.begun, v), edges).distance();
-    if (begun < min_share * dhat) return 0;
-    dhat = std::min(dhat, begun);
+  if (sheets_.initial_positions.rows() > 0) {
+    const double initial =
+        begun_share * nearness(corners(sheets_.initial_positions, v), edges).distance();
+    if (initial < min_share * dhat) return 0;
+    dhat = std::min(dhat, initial);
   }
   return dhat_near_constraints(v, edges, dhat);
 }

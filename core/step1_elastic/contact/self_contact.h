@@ -27,7 +27,7 @@ struct SheetPartition {
   // |sheets|x|sheets| [m] dhat between two sheets; on the diagonal that of a sheet and itself
   Eigen::MatrixXd dhat;
   // |V|x3 [m] initial positions, if some sheets began on each other; else empty
-  Points3 begun = {};
+  Points3 initial_positions = {};
   // |sheets| [1] friction coefficient of each on itself; for two sheets the geometric mean, so zero
   // friction on either gives zero; empty: frictionless
   std::vector<double> friction = {};

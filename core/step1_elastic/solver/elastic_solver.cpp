@@ -3,7 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_coarseness.h"
-#include "core/model/error.h"
+#include "core/step1_elastic/energy_not_finite.h"
 
 #include <cmath>
 #include <limits>
@@ -221,8 +221,7 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
       x = guess;
     }
   }
-  if (!std::isfinite(least))
-    throw Error(ErrorCode::simulation, "elastic step", "The energy of the sheet is not finite.");
+  if (!std::isfinite(least)) throw EnergyNotFinite();
 }
 
 ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* self_contact,
@@ -257,7 +256,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     if (second != BranchSearchMode::none) {
       state.descending =
           second == BranchSearchMode::when_slow && newton.descended && !newton.converged;
-      if (!newton.should_abort)
+      if (!newton.aborted)
         descend_second_branch(
             W, {before, starts.front(), step.hard, reason_to_search(sheet, second, report)},
             sheet.x, report);

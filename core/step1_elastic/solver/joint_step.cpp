@@ -52,12 +52,14 @@ bool Elastic::are_collision_free(const SweptSheet& a, const SweptSheet& b, doubl
     add_hard(swept->constraints, mesh.first.back(), hard);
     mesh.add(swept->sheet.pattern, swept->sheet.triangles);
   }
-  const Points3 begun =
-      a.begun.rows()
-          ? joined(mesh, [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).begun; })
-          : Points3(0, 3);
+  const Points3 initial_positions = a.initial_positions.rows()
+                                        ? joined(mesh,
+                                                 [&](std::size_t of) -> const Points3& {
+                                                   return (of == 0 ? a : b).initial_positions;
+                                                 })
+                                        : Points3(0, 3);
   Contact contact(mesh.pattern, mesh.triangles,
-                  {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), begun});
+                  {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), initial_positions});
   const auto place = [&](std::size_t k) {
     return joined(mesh,
                   [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).places[k]; });
@@ -119,12 +121,13 @@ Contact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) cons
     friction.push_back(solver(k).paper.friction);
     number.push_back(solver(k).options.sheet_number);
   }
-  const Points3 begun =
-      sheets_.front().begun.rows()
-          ? joined(mesh_, [&](std::size_t k) -> const Points3& { return sheets_[k].begun; })
+  const Points3 initial_positions =
+      sheets_.front().initial_positions.rows()
+          ? joined(mesh_,
+                   [&](std::size_t k) -> const Points3& { return sheets_[k].initial_positions; })
           : Points3(0, 3);
   return Contact(mesh_.pattern, mesh_.triangles,
-                 {mesh_.of_vertex, dhat, begun, friction, number, mesh_.first});
+                 {mesh_.of_vertex, dhat, initial_positions, friction, number, mesh_.first});
 }
 
 BlockCholesky Elastic::Impl::JointStep::make_matrix(const Contact& contact) const {

@@ -1,7 +1,7 @@
 #include "core/step1_elastic/solver/newton.h"
 
 #include "core/geometry/measure.h"
-#include "core/model/error.h"
+#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,8 +51,8 @@ class Newton {
     return W_(x);
   }
   bool should_abort(int iteration, const Points3& x) {
-    return report.should_abort = options_.should_abort && iteration > 0 &&
-                                 iteration % asked_every == 0 && options_.should_abort(x);
+    return report.aborted = options_.should_abort && iteration > 0 &&
+                            iteration % asked_every == 0 && options_.should_abort(x);
   }
   void go(Points3& x, const Points3& move) const {
     x += move;
@@ -80,8 +80,7 @@ Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStr
   ++report.iterations;
   for (;; form = HessianForm::projected) {
     value_ = W_.differentiate(x, form, gradient_, matrix_, stress);
-    if (!std::isfinite(value_))
-      throw Error(ErrorCode::simulation, "elastic step", "The energy of the sheet is not finite.");
+    if (!std::isfinite(value_)) throw EnergyNotFinite();
     bool definite = matrix_.factorise();
     if (!definite && form == HessianForm::exact) continue;
     for (double shift = 1e-8 * membrane_stiffness_; !definite; shift *= 100) {

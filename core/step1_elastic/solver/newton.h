@@ -33,8 +33,8 @@ struct NewtonOptions {
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;
-  bool descended = false;     // line-search Newton was used
-  bool should_abort = false;  // should_abort ended it
+  bool descended = false;  // line-search Newton was used
+  bool aborted = false;    // should_abort ended it
 };
 
 /// Moves x to a nearby minimum of W by Newton's method, in two variants; the second is used where
@@ -50,7 +50,7 @@ struct NewtonReport {
 ///
 /// With contact only the second variant is used, and no iteration passes through anything.
 /// stress  of the membrane where x came from; empty for several sheets, which are always in contact
-/// throws  Error(ErrorCode::simulation) when W is not finite
+/// throws  EnergyNotFinite when W is not
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress,
                       Points3& x);
 

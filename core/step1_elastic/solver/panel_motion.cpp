@@ -202,8 +202,10 @@ class Panels::Motion {
     int farthest = -1;
     double most = 0;
     for (const int v : panels_.vertices_[panel])
-      if (const double far = (x_.row(v) - x_.row(from)).norm(); known_.is_known(v) && far > most)
-        most = far, farthest = v;
+      if (const double far = (x_.row(v) - x_.row(from)).norm(); known_.is_known(v) && far > most) {
+        most = far;
+        farthest = v;
+      }
     return farthest;
   }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,8 +64,9 @@ TEST(ColliderJam, ComesBackFromACheckpoint) {
   EXPECT_THROW(restored.archive(without_colliders, nullptr), Error);
 }
 
-/// Sheets on a table, one on the other, through which a finger is pressed into the table.
-std::vector<Shot> pressed_by_finger(int sheets, int frames) {
+/// Sheets on a table, one on the other, through which a finger is pressed into the table, by so
+/// many metres a frame.
+std::vector<Shot> pressed_by_finger(int sheets, int frames, double speed = 0.001) {
   const double gap = 0.0006;  // [m]
   ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
   table.x << -1, -1, -gap * sheets, 1, -1, -gap * sheets, 1, 1, -gap * sheets, -1, 1, -gap * sheets;
@@ -74,7 +76,7 @@ std::vector<Shot> pressed_by_finger(int sheets, int frames) {
   finger.triangles << 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2;
   for (int f = 0; f < frames; ++f) {
     finger.frames.push_back(finger.x);
-    finger.frames.back().col(2).array() -= 0.001 * f;
+    finger.frames.back().col(2).array() -= speed * f;
   }
   const auto colliders =
       std::make_shared<const Colliders>(Colliders{Collider(table), Collider(finger)});
@@ -109,6 +111,25 @@ TEST(ColliderJam, SheetsWithInertiaThatArePressedThroughATableStayWhole) {
     for (const std::string& note : last_notes)
       EXPECT_NE(note.find("it is jammed"), std::string::npos) << sheets << " " << note;
   }
+}
+
+TEST(ColliderJam, ASheetThatCollidersLeaveFarBehindStaysWhereTheyJammedIt) {
+  // 3 mm a frame; from 38 mm on, more than eight halvings of a frame are needed to follow slowly
+  AnimateOptions options;
+  options.last_frame = 24;
+  const Shot shot = pressed_by_finger(1, options.last_frame, 0.003).front();
+  const std::string begins = "it is jammed: colliders have gone on by ";
+  double behind = 0;  // [mm]
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            if (behind == 0 && frame.note.empty()) return true;
+            EXPECT_EQ(frame.note.rfind(begins, 0), 0u) << frame.frame << " " << frame.note;
+            const double now = std::atof(frame.note.c_str() + begins.size());
+            if (behind > 0) EXPECT_NEAR(now - behind, 3, 0.11) << frame.frame;
+            behind = now;
+            return true;
+          });
+  EXPECT_GT(behind, 45);
 }
 
 }  // namespace
