@@ -2,13 +2,13 @@
 
 #include "core/model/error.h"
 #include "formats/cache/alembic_mesh.h"
+#include "formats/cache/own_names.h"
 
 #include <algorithm>
 #include <cassert>
 #include <charconv>
 #include <limits>
 #include <map>
-#include <set>
 #include <string_view>
 
 namespace paperbake {
@@ -30,16 +30,10 @@ std::string legal_name(std::string name) {
 
 std::vector<Mesh> meshes_named(const std::vector<std::string>& names) {
   std::vector<Mesh> meshes;
-  std::set<std::string> taken;
-  // "a.b" and "a_b" become the same name
-  const auto own_label = [&](const std::string& legal) {
-    std::string label = legal;
-    for (int n = 2; !taken.insert(label).second; ++n) label = legal + "_" + std::to_string(n);
-    return label;
-  };
-  for (const std::string& name : names) meshes.push_back({name, own_label(legal_name(name))});
+  OwnNames own;
+  for (const std::string& name : names) meshes.push_back({name, own(legal_name(name))});
   for (Mesh& mesh : meshes)
-    mesh.guide_labels = {own_label(mesh.label + "_points"), own_label(mesh.label + "_folds")};
+    mesh.guide_labels = {own(mesh.label + "_points"), own(mesh.label + "_folds")};
   return meshes;
 }
 

@@ -1,6 +1,7 @@
 #include "formats/cache/alembic_mesh.h"
 
 #include "formats/cache/material_faces.h"
+#include "formats/cache/own_names.h"
 
 #include <algorithm>
 
@@ -90,7 +91,7 @@ std::string legal(std::string text) {
   constexpr std::size_t longest = 60;  // a metadata text has at most 255 bytes
   for (char& c : text)
     if (c == ';' || c == '=' || c == '/' || c == '\0') c = '_';
-  return text.size() > longest ? text.substr(0, longest) : text;
+  return text.empty() ? "_" : text.substr(0, longest);
 }
 
 /// A uv set: values, and for each corner the index of its value.
@@ -118,8 +119,9 @@ Property authored_uv(const Mesh& mesh, std::size_t n, const std::string& propert
 void add_uv_sets(const Mesh& mesh, std::vector<Property>& members, std::vector<Property>& named) {
   const std::size_t sets = mesh.surface ? mesh.surface->uv_sets.size() : 0;
   if (sets > 0) members.push_back(authored_uv(mesh, 0, "uv"));
+  OwnNames own({"crease", "pattern"});
   for (std::size_t n = 1; n < sets; ++n)
-    named.push_back(authored_uv(mesh, n, legal(mesh.surface->uv_sets[n].name)));
+    named.push_back(authored_uv(mesh, n, own(legal(mesh.surface->uv_sets[n].name))));
   if (!ever_given(mesh.frames, &MeshFrame::pattern)) return;
   const std::vector<Sample> values = column(mesh.frames, &MeshFrame::pattern),
                             indices = column(mesh.frames, &MeshFrame::pattern_indices);
@@ -130,10 +132,11 @@ void add_uv_sets(const Mesh& mesh, std::vector<Property>& members, std::vector<P
 /// The custom properties of the artist's object.
 std::vector<Property> user_properties(Archive& archive, const AuthoredProperties& authored) {
   std::vector<Property> found;
+  OwnNames own;
   const auto add = [&](const std::string& name, PropertyType type, Pod pod,
                        std::string_view bytes) {
     found.push_back(
-        {legal(name), "", type, pod, 1, TimeSampling::identity, {store(archive, bytes)}, {}});
+        {own(legal(name)), "", type, pod, 1, TimeSampling::identity, {store(archive, bytes)}, {}});
   };
   for (const auto& [name, value] : authored)
     if (const auto* text = std::get_if<std::string>(&value))
@@ -183,16 +186,14 @@ Property geometry(Archive& archive, const Mesh& mesh) {
 /// The faces of each material, below their mesh.
 std::vector<Object> face_sets(const Mesh& mesh) {
   std::vector<Object> sets;
+  OwnNames own;
   for (std::size_t m = 0; mesh.surface && m < mesh.surface->materials.size(); ++m) {
     std::vector<Sample> faces;
     for (const MeshFrame& frame : mesh.frames) faces.push_back(frame.face_sets[m]);
-    std::string name = legal(mesh.surface->materials[m]);
-    while (std::any_of(sets.begin(), sets.end(), [&](const Object& o) { return o.name == name; }))
-      name += "_2";
     std::vector<Property> members{
         box_property(".selfBnds", column(mesh.frames, &MeshFrame::bounds)),
         animated(".faces", "", PropertyType::array, Pod::i32, 1, std::move(faces))};
-    sets.push_back({std::move(name),
+    sets.push_back({own(legal(mesh.surface->materials[m])),
                     object_metadata(face_set_schema, ".faceset"),
                     {compound(".faceset", geometry_metadata(face_set_schema), std::move(members))},
                     {}});

@@ -1,10 +1,10 @@
 #include "formats/cache/usd_cache.h"
 
 #include "formats/cache/material_faces.h"
+#include "formats/cache/own_names.h"
 #include "formats/cache/usd_layer.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 namespace paperbake {
@@ -35,10 +35,13 @@ struct UsdSheet {
   std::size_t frames = 0;
 };
 
+/// The characters that USD allows in all its versions.
 std::string identifier(const std::string& name) {
+  constexpr unsigned char goes_on = 0x80, mask = 0xc0;  // a byte of a character after its first
   std::string legal;
   for (const char c : name)
-    legal += (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ? c : '_';
+    if ((static_cast<unsigned char>(c) & mask) != goes_on)
+      legal += (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ? c : '_';
   if (legal.empty() || (legal[0] >= '0' && legal[0] <= '9')) legal = "_" + legal;
   return legal;
 }
@@ -112,6 +115,30 @@ Prim over(const std::string& name, const std::vector<Attribute>& attributes) {
   return prim;
 }
 
+/// The names of the artist's uv sets. The first one, which is `st` besides, may be called that.
+/// layers  further primvars of the mesh
+std::vector<std::string> uv_labels(const MeshSurface& surface,
+                                   const std::vector<CacheLayer>& layers) {
+  std::set<std::string> taken{"st",      "pattern",      "crease",
+                              "normals", "displayColor", "displayOpacity"};
+  for (const CacheLayer& layer : layers) taken.insert(layer.name);
+  OwnNames own(std::move(taken));
+  std::vector<std::string> labels;
+  for (const MeshSurface::UvSet& set : surface.uv_sets) {
+    const std::string label = identifier(set.name);
+    labels.push_back(labels.empty() && label == "st" ? label : own(label));
+  }
+  return labels;
+}
+
+/// The names of the subsets of faces of its materials.
+std::vector<std::string> subset_labels(const MeshSurface& surface) {
+  OwnNames own;
+  std::vector<std::string> labels;
+  for (const std::string& material : surface.materials) labels.push_back(own(identifier(material)));
+  return labels;
+}
+
 bool has_one_material(const MeshSurface& surface) {
   return surface.materials.size() == 1 &&
          std::find(surface.material_of.begin(), surface.material_of.end(), -1) ==
@@ -126,6 +153,7 @@ struct UsdWriter::Impl {
   std::vector<std::string> sub_layers;                // of the composing one
   CacheInfo info;
   std::vector<UsdSheet> sheets;
+  std::vector<std::pair<std::string, std::string>> materials;  // names, and those in the file
 
   Property constant(std::string type, std::string name, const usd::Value& value) {
     return {std::move(type), std::move(name), {}, false, false, {{0, encoder->store(value)}}};
@@ -176,17 +204,18 @@ struct UsdWriter::Impl {
   }
 
   /// Adds uv sets and materials of the artist.
-  void add_surface(UsdSheet& sheet, const MeshSurface& surface) {
+  void add_surface(UsdSheet& sheet, const MeshSurface& surface,
+                   const std::vector<CacheLayer>& layers) {
     const auto add_uv = [&](const std::string& name, const MeshSurface::UvSet& set) {
       add(sheet, sheet.attributes, {"texCoord2f[]", "primvars:" + name, "faceVarying"},
           pairs(set.uv));
       add(sheet, sheet.attributes, {"int[]", "primvars:" + name + ":indices"},
           integers(set.of_corner));
     };
+    const std::vector<std::string> labels = uv_labels(surface, layers);
     for (std::size_t n = 0; n < surface.uv_sets.size(); ++n) {
-      const std::string name = identifier(surface.uv_sets[n].name);
       if (n == 0) add_uv("st", surface.uv_sets[n]);
-      if (name != "st") add_uv(name, surface.uv_sets[n]);
+      if (labels[n] != "st") add_uv(labels[n], surface.uv_sets[n]);
     }
     for (std::size_t m = 0; m < surface.materials.size(); ++m) {
       const Property indices{"int[]", "indices"};
@@ -195,9 +224,21 @@ struct UsdWriter::Impl {
     }
   }
 
+  void name_materials() {
+    OwnNames own;
+    for (const UsdSheet& sheet : sheets)
+      if (sheet.surface)
+        for (const std::string& name : sheet.surface->materials)
+          if (std::none_of(materials.begin(), materials.end(),
+                           [&](const auto& known) { return known.first == name; }))
+            materials.emplace_back(name, own(identifier(name)));
+  }
+
   /// A material of the artist, which the layer has only the name of.
   std::string material_path(const std::string& material) const {
-    return info.root + "/materials/" + identifier(material);
+    const auto named = std::find_if(materials.begin(), materials.end(),
+                                    [&](const auto& known) { return known.first == material; });
+    return info.root + "/materials/" + named->second;
   }
 
   static Property relationship(std::string name, std::string target) {
@@ -212,20 +253,19 @@ struct UsdWriter::Impl {
   }
 
   void add_materials(std::vector<Prim>& prims) const {
-    std::map<std::string, std::string> all;
-    for (const UsdSheet& sheet : sheets)
-      if (sheet.surface)
-        for (const std::string& name : sheet.surface->materials)
-          all.emplace(identifier(name), name);
-    if (all.empty()) return;
+    if (materials.empty()) return;
     Prim scope{"Scope", "materials"};
-    for (const auto& [label, name] : all) scope.children.push_back({"Material", label, "", name});
+    for (const auto& [name, label] : materials)
+      scope.children.push_back({"Material", label, "", name});
+    std::sort(scope.children.begin(), scope.children.end(),
+              [](const Prim& a, const Prim& b) { return a.name < b.name; });
     prims.push_back(std::move(scope));
   }
 
   void add_properties(Prim& mesh, const AuthoredProperties& properties) {
+    OwnNames own;
     for (const auto& [key, value] : properties) {
-      const std::string name = "userProperties:" + identifier(key);
+      const std::string name = "userProperties:" + own(identifier(key));
       if (const auto* text = std::get_if<std::string>(&value))
         mesh.properties.push_back(constant("string", name, *text));
       else if (const auto* list = std::get_if<std::vector<double>>(&value))
@@ -246,8 +286,9 @@ struct UsdWriter::Impl {
     }
     mesh.properties.push_back(
         uniform("token", "subsetFamily:materialBind:familyType", Token{"nonOverlapping"}));
+    const std::vector<std::string> labels = subset_labels(*sheet.surface);
     for (std::size_t m = 0; m < materials.size(); ++m) {
-      Prim subset{"GeomSubset", identifier(materials[m])};
+      Prim subset{"GeomSubset", labels[m]};
       subset.api_schemas = {"MaterialBindingAPI"};
       subset.properties = {uniform("token", "elementType", Token{"face"}),
                            uniform("token", "familyName", Token{"materialBind"}),
@@ -345,6 +386,7 @@ struct UsdWriter::Impl {
 
   std::vector<Prim> prims() {
     std::vector<Prim> all;
+    name_materials();
     for (const UsdSheet& sheet : sheets)
       if (sheet.frames > 0) all.push_back(mesh_of(sheet));
     for (const UsdSheet& sheet : sheets)
@@ -362,8 +404,7 @@ struct UsdWriter::Impl {
       all.push_back(over(sheet.label, sheet.attributes));
       for (std::size_t m = 0; m < sheet.subsets.size(); ++m)
         if (!sheet.subsets[m].moving.samples.empty())
-          all.back().children.push_back(
-              over(identifier(sheet.surface->materials[m]), {sheet.subsets[m]}));
+          all.back().children.push_back(over(subset_labels(*sheet.surface)[m], {sheet.subsets[m]}));
       if (!sheet.proxy.empty()) all.push_back(over(sheet.proxy_label, sheet.proxy));
       if (sheet.points.empty()) continue;
       all.push_back(over(sheet.points_label, sheet.points));
@@ -407,22 +448,17 @@ UsdWriter::UsdWriter(const std::filesystem::path& path, UsdEncoding encoding, co
   } else {
     impl_->encoder = make_encoder(path);
   }
-  std::set<std::string> taken;
-  const auto own_label = [&](const std::string& name) {
-    std::string label = name;
-    for (int n = 2; !taken.insert(label).second; ++n) label = name + "_" + std::to_string(n);
-    return label;
-  };
+  OwnNames own;
   for (const std::string& name : sheet_names) {
     UsdSheet sheet;
     sheet.name = name;
-    sheet.label = own_label(identifier(name));
+    sheet.label = own(identifier(name));
     impl_->sheets.push_back(std::move(sheet));
   }
   for (UsdSheet& sheet : impl_->sheets) {
-    sheet.points_label = own_label(sheet.label + "_points");
-    sheet.folds_label = own_label(sheet.label + "_folds");
-    sheet.proxy_label = own_label(sheet.label + "_proxy");
+    sheet.points_label = own(sheet.label + "_points");
+    sheet.folds_label = own(sheet.label + "_folds");
+    sheet.proxy_label = own(sheet.label + "_proxy");
   }
 }
 
@@ -451,7 +487,8 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
     if (!frame.surface || frame.surface->uv_sets.empty())
       add("texCoord2f[]", "primvars:st", "vertex", pairs(frame.uv));
   }
-  if (frame.surface && frame.surface != sheet.surface) impl_->add_surface(sheet, *frame.surface);
+  if (frame.surface && frame.surface != sheet.surface)
+    impl_->add_surface(sheet, *frame.surface, frame.layers);
   sheet.surface = frame.surface;
   if (frame.guides) impl_->add_guides(sheet, *frame.guides);
   if (frame.proxy && impl_->animation) impl_->add_proxy(sheet, *frame.proxy);

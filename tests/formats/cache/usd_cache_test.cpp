@@ -6,6 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace paperbake {
 namespace {
@@ -55,6 +59,47 @@ TEST(UsdCache, ABinaryLayerStoresEqualValuesOnce) {
   // both sheets wave alike: a frame adds positions, velocities and a box, and what refers to them
   EXPECT_LT(ten - two, 8 * (2 * 402 * 12 + 1000));
   EXPECT_GT(ten - two, 8 * 2 * 402 * 12);
+}
+
+/// What stands after `begin` at the beginning of lines, up to a character of `end`.
+std::vector<std::string> names_after(const std::string& text, const std::string& begin,
+                                     const char* end) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(0, std::min(line.find_first_not_of(' '), line.size()));
+    if (line.compare(0, begin.size(), begin) == 0)
+      found.push_back(
+          line.substr(begin.size(), line.find_first_of(end, begin.size()) - begin.size()));
+  }
+  return found;
+}
+
+TEST(UsdCache, NamesThatBecomeTheSameIdentifierStayApart) {
+  // two prims or attributes of one name make a layer that USD cannot open
+  CacheFrame frame = strip(2, 0);
+  MeshSurface surface;
+  surface.materials = {"Paper.001", "Paper_001", "\u8868", "\u88cf"};
+  surface.material_of = {0, 1, 2, 3};
+  for (const char* name : {"st", "st", "foldPeak", "map.1", "map_1"})
+    surface.uv_sets.push_back({name, Points2::Zero(1, 2), Triangles::Zero(4, 3)});
+  surface.properties = {{"shot.name", std::string("a")}, {"shot_name", 2.0}};
+  frame.surface = std::make_shared<MeshSurface>(surface);
+  const fs::path path = test::own_folder() / "names.usda";
+  UsdWriter writer(path, UsdEncoding::text, {}, {"paper"});
+  writer.add_frame(0, frame);
+  writer.finish();
+  const std::string text = read_file(path).value_or("");
+  const std::vector<std::string> materials{"Paper_001", "Paper_001_2", "_", "__2"};
+  EXPECT_EQ(names_after(text, "def GeomSubset \"", "\""), materials);
+  EXPECT_EQ(names_after(text, "def Material \"", "\""), materials);
+  EXPECT_EQ(names_after(text, "rel material:binding = </shot/materials/", ">"), materials);
+  EXPECT_EQ(names_after(text, "texCoord2f[] primvars:", " "),
+            (std::vector<std::string>{"st", "st_2", "foldPeak_2", "map_1", "map_1_2"}));
+  EXPECT_EQ(names_after(text, "custom string userProperties:", " "),
+            std::vector<std::string>{"shot_name"});
+  EXPECT_EQ(names_after(text, "custom double userProperties:", " "),
+            std::vector<std::string>{"shot_name_2"});
 }
 
 TEST(UsdCache, WithoutAnEndThereIsNoFile) {
