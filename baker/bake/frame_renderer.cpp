@@ -158,6 +158,7 @@ bool FrameRenderer::push_out_of_colliders(std::size_t s, std::size_t k,
   std::optional<ColliderClearance> clearance;
   if (may_touch(shapes, x))
     clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_triangles);
+  if (clearance && clearance->begins_inside() > give_way_depth) return false;
   // lengths that are wrong after this are restored, as far as the sheet stays outside
   constexpr int max_turns = 8;
   constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn

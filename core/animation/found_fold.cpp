@@ -10,7 +10,6 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
-#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>

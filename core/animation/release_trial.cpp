@@ -1,7 +1,6 @@
 #include "core/animation/release_trial.h"
 
 #include "core/geometry/measure.h"
-#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>

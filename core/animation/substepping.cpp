@@ -3,7 +3,6 @@
 #include "core/animation/imperfection.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
-#include "core/step1_elastic/energy_not_finite.h"
 
 #include <algorithm>
 #include <cmath>

@@ -229,7 +229,7 @@ void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sha
   for (int v = 0; v < x.rows(); ++v) {
     if (!sharp[v]) continue;
     if (border_vertex_[v]) outgoing[v].push_back(-row(vertex_normal_, v));
-    corners_.push_back({v, outgoing[v]});
+    corners_.push_back({v, border_vertex_[v] != 0, outgoing[v]});
     corner_boxes.emplace_back(row(x, v));
   }
   corner_tree_.build(corner_boxes);
@@ -291,7 +291,7 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
                           ? 1
                           : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
   found.push_back({at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart),
-                   sign * d, triangles[first]});
+                   sign * d, triangles[first], border});
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double distance = all[k].apart.norm();
     if (distance < coincident ||
@@ -318,6 +318,35 @@ SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const
       return found.front();
     if (!(reach < within)) return best;
   }
+}
+
+int Collider::side_of(const Vector3d& p, double within) const {
+  return !closed_ && nearest(p, within, 1).distance < -depth_ ? -1 : 1;
+}
+
+int Collider::side_of(const Vector3d& p, const Vector3d& known) const {
+  constexpr double pressed = 1e-4;  // [m] less deep behind the front it need not have come round
+  if (closed_) return 1;
+  if (const int side = passes_through(known, p); side != 0) return side;
+  const double reach = (p - known).norm() + 4 * depth_;
+  return nearest(p, reach, 1).distance < -pressed ? -1 : side_of(known, reach);
+}
+
+int Collider::passes_through(const Vector3d& p, const Vector3d& q) const {
+  constexpr double rounding = 1e-9;  // [m] edges belong to both triangles
+  double first = 2;                  // [1] of the way
+  int side = 0;
+  near_triangles(p.cwiseMin(q), p.cwiseMax(q), 0, [&](int t) {
+    const Vector3d a = row(mesh_.x, mesh_.triangles(t, 0)), normal = row(face_normal_, t);
+    const double before = normal.dot(p - a), after = normal.dot(q - a);
+    if ((before < 0) == (after < 0)) return;
+    const double at = before / (before - after);
+    if (at < first && on_triangle(p + at * (q - p), t).apart.norm() < rounding) {
+      first = at;
+      side = before < 0 ? -1 : 1;
+    }
+  });
+  return side;
 }
 
 ColliderShapes shapes_at(const Colliders& colliders, int row) {
@@ -416,11 +445,7 @@ double push_out(const ColliderShapes& colliders, const Points3& known, double cl
     const Collider& collider = *shape;
     for (int v = 0; v < x.rows(); ++v) {
       const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
-      int side = 1;
-      if (!collider.closed() &&
-          collider.nearest(row(known, v), 2 * collider.depth() + range, 1).distance <
-              -collider.depth())
-        side = -1;
+      const int side = collider.side_of(row(x, v), row(known, v));
       for (int k = 0; k < to_and_fro; ++k) {
         const SurfacePoint near = collider.nearest(row(x, v), range + clearance, side);
         if (!(near.distance < clearance)) break;

@@ -34,6 +34,7 @@ struct SurfacePoint {
   Vector3d normal;  // unit vector along which the distance grows
   double distance;  // [m] signed distance of the query point, negative behind the front
   int triangle = -1;
+  bool on_border = false;  // of an open mesh
 };
 
 struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
@@ -72,6 +73,7 @@ class Collider {
   };
   struct Corner {
     int vertex;
+    bool border;
     // unit vectors along its edges; at a border the last points straight behind the surface
     std::vector<Vector3d> inward;
   };
@@ -98,6 +100,12 @@ class Collider {
   /// The closest point of the whole collider; its distance is infinite when none is closer than
   /// `within` [m].
   SurfacePoint nearest(const Vector3d& p, double within, int side) const;
+  /// From which side a point of a sheet touches the collider: -1 if it is farther than depth() behind
+  /// an open mesh, but not as far as `within` [m]: it has come round the border. Otherwise 1.
+  int side_of(const Vector3d& p, double within) const;
+  /// The same for a point near one that is outside, from which it has come in a straight line: it has
+  /// not come round the border if it has passed through the mesh.
+  int side_of(const Vector3d& p, const Vector3d& known) const;
 
  private:
   /// A bounding-box tree: the items are halved at the median along the longest side of their box.
@@ -120,6 +128,9 @@ class Collider {
     bool border;
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
+  /// From which side the way from p to q passes through the surface first: 1 from the front, -1 from
+  /// behind, 0 if it does not.
+  int passes_through(const Vector3d& p, const Vector3d& q) const;
 
   void prepare();
   // parts of the construction, in this order

@@ -4,11 +4,15 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/intersections.h>
 #include <CGAL/squared_distance_3.h>
+
+#include <boost/variant.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -233,9 +237,43 @@ class ColliderDepth::Part {
                          : std::sqrt(CGAL::squared_distance(point(p), faces_[face]));
   }
 
+  /// How far from the border a triangle passes through an open part, at most. [m]
+  double cut_from_border(const Corners& c) const {
+    const Face triangle(point(c[0]), point(c[1]), point(c[2]));
+    std::vector<FaceIterator> met;
+    tree_.all_intersected_primitives(triangle, std::back_inserter(met));
+    double most = 0;
+    for (const FaceIterator& face : met)
+      if (const auto common = CGAL::intersection(triangle, *face))
+        for (const Point& p : boost::apply_visitor(EndsOf(), *common))
+          most = std::max(most, distance_to_border(p));
+    return most;
+  }
+
   bool meets(const Corners& c) const {
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) return false;
     return tree_.do_intersect(Face(point(c[0]), point(c[1]), point(c[2])));
+  }
+
+  /// The corners of what two triangles have in common.
+  struct EndsOf : boost::static_visitor<std::vector<Point>> {
+    std::vector<Point> operator()(const Point& p) const { return {p}; }
+    std::vector<Point> operator()(const Kernel::Segment_3& s) const {
+      return {s.source(), s.target()};
+    }
+    std::vector<Point> operator()(const Face& f) const { return {f[0], f[1], f[2]}; }
+    std::vector<Point> operator()(const std::vector<Point>& all) const { return all; }
+  };
+
+  double distance_to_border(const Point& p) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        if (border_[k][i])
+          least = std::min(
+              least, CGAL::to_double(CGAL::squared_distance(
+                         p, Kernel::Segment_3(faces_[k][(i + 1) % 3], faces_[k][(i + 2) % 3]))));
+    return std::sqrt(least);
   }
 
   std::vector<std::array<int, 3>> corners_;
@@ -263,6 +301,7 @@ class ColliderDepth::Part::Search {
       if (piece.most <= best_.depth + allowed()) break;
       divide(piece);
     }
+    if (!part_.closed_) limit_to_cut();
     return best_;
   }
 
@@ -390,6 +429,16 @@ class ColliderDepth::Part::Search {
         next.insert(next.end(), at[v].begin(), at[v].end());
       }
     }
+  }
+
+  /// What hangs over the border of an open part has cut into it from there: that far it has to be
+  /// lifted.
+  void limit_to_cut() {
+    double cut = 0;
+    for (const int t : pierced_)
+      if (cut < best_.depth)
+        cut = std::max(cut, part_.cut_from_border(corners_of(x_, triangles_, t)));
+    best_.depth = std::min(best_.depth, cut);
   }
 
   const Part& part_;

@@ -33,8 +33,9 @@ struct Penetration {
 /// distance of an outer point.
 ///
 /// An open part has no inside. There depth is how far the surface reaches behind its front from
-/// where it passes through it; what has come round the border and passes through nowhere is not
-/// inside.
+/// where it passes through it, but no more than how far from the border that is at most: so far
+/// paper that hangs over the border would have to be lifted. What has come round the border and
+/// passes through nowhere is not inside.
 class ColliderDepth {
  public:
   /// The faces of an open part are seen from the front counter-clockwise.

@@ -31,9 +31,10 @@ void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const P
     const auto votes = [&](const Points3& points) {
       int front = 0;
       for (int v = 0; v < points.rows(); ++v) {
-        const double d = as_it_is.nearest(points.row(v), 10, 1).distance;
-        const bool beside = d == as_it_is.nearest(points.row(v), 10, -1).distance;
-        if (!beside && std::abs(d) > lies_in_it) front += d > 0 ? 1 : -1;
+        const SurfacePoint near = as_it_is.nearest(points.row(v), 10, 1);
+        // beyond the border, as beside the mouth of a bin, there is neither front nor back
+        if (near.on_border || !(std::abs(near.distance) > lies_in_it)) continue;
+        front += near.distance > 0 ? 1 : -1;
       }
       return front;
     };

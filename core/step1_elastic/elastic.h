@@ -11,6 +11,7 @@
 #include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
+#include "core/step1_elastic/energy_not_finite.h"
 #include "core/step1_elastic/position_constraints.h"
 
 #include <deque>
@@ -282,6 +283,9 @@ class ColliderClearance {
                     const Triangles&, const Points3& outside);
   ~ColliderClearance();
 
+  /// [m] Depth of the deepest contact point where it begins.
+  double begins_inside() const { return begins_inside_; }
+
   /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
   /// share of the way out. One pass: what is pushed out may be pushed in elsewhere.
   /// held     |V| vertices that stay
@@ -290,6 +294,7 @@ class ColliderClearance {
 
  private:
   std::unique_ptr<ColliderContact> contact_;
+  double begins_inside_;
 };
 
 }  // namespace paperbake

@@ -178,7 +178,13 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
       const Vector3d normal = along.cross(face);
       return m.apart.dot(normal) * normal.dot(other) < 0;
     };
-    if (behind == 1 || above(first, second) || above(second, first)) return m;
+    if (behind == 1) {  // hangs over a border: inside below it
+      const bool below = edge.border && m.apart.dot(first) > 0 && m.weights[0] > 0 &&
+                         m.weights[1] > 0 && near.weights[2] != 0 && near.weights[3] != 0;
+      if (below) m.where = FeaturePair::inside;
+      return m;
+    }
+    if (above(first, second) || above(second, first)) return m;
     out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second) &&
                  near.weights[2] != 0 && near.weights[3] != 0;
   } else {
@@ -194,6 +200,13 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
     for (const Vector3d& in : corner.inward) {
       inward += in;
       out_of_all = out_of_all && leads_out(-m.apart, in);
+    }
+    if (behind > 0 && behind < 3 && corner.border) {  // hangs over the border
+      const Vector3d along_border_excluded = inward - corner.inward.back();
+      if (m.apart.dot(along_border_excluded) > 0 && m.weights[0] > 0 && m.weights[1] > 0 &&
+          m.weights[2] > 0)
+        m.where = FeaturePair::inside;
+      return m;
     }
     if (behind > 0 || m.apart.dot(inward) < 0) return m;
   }
@@ -255,8 +268,7 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
     const Collider& before = *motion_.from[c];
     if (!before.closed())
       for (int v = 0; v < x.rows(); ++v)
-        states_[c].side[v] =
-            before.nearest(row(x, v), 4 * before.depth(), 1).distance < -before.depth() ? -1 : 1;
+        states_[c].side[v] = static_cast<char>(before.side_of(row(x, v), 4 * before.depth()));
     find_swept_vertices(c);
     const Points3 carried = carried_by(c, x);
     refresh(c, carried);
@@ -519,8 +531,17 @@ int ColliderContact::touching(const Points3& y) {
   return count;
 }
 
+/// Finds out who has come round the border of an open collider, in a straight line from the start.
+void ColliderContact::find_sides(const Points3& y) {
+  for (std::size_t c = 0; c < states_.size(); ++c)
+    if (!collider(c).closed())
+      for (int v = 0; v < y.rows(); ++v)
+        states_[c].side[v] = static_cast<char>(collider(c).side_of(row(y, v), row(start_, v)));
+}
+
 double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
   double deepest = 0;
+  find_sides(y);
   std::vector<ContactPoint> within;
   for (std::size_t c = 0; c < states_.size(); ++c) {
     refresh(c, y);

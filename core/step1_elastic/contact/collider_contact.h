@@ -74,7 +74,8 @@ class ColliderContact {
                        BlockCholesky* matrix);
 
   /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
-  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere.
+  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere. Vertices have
+  /// come in a straight line from where the step begins.
   /// held     |V| vertices that stay
   /// returns  [m] depth of the deepest contact point
   double push_out(const std::vector<char>& held, Points3& y);
@@ -125,6 +126,7 @@ class ColliderContact {
 
   void refresh(std::size_t c, const Points3& y);
   void find_candidates(std::size_t c, SheetFeature&) const;
+  void find_sides(const Points3& y);
   const Collider& collider(std::size_t c) const { return *motion_.to[c]; }  // at the end
   /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
   Points3 carried_by(std::size_t c, const Points3& x) const;

@@ -181,6 +181,17 @@ TEST(ColliderDepth, AnOpenMeshCountsWhatHasComeThroughItAndNotWhatHasComeRoundIt
   EXPECT_EQ(open.deepest(round.x, round.triangles).depth, 0);
 }
 
+TEST(ColliderDepth, WhatHangsOverABorderIsAsDeepAsItHasCutIn) {
+  // a wall whose upper border is 0.2 mm above a sheet that reaches 50 mm beyond it on either side
+  ColliderMesh wall{"wall", Points3(4, 3), Triangles(2, 3), {}};
+  wall.x << 0.05, -1, -1, 0.05, 1, -1, 0.05, 1, 2e-4, 0.05, -1, 2e-4;
+  wall.triangles << 0, 1, 2, 0, 2, 3;
+  Sheet sheet = hex_sheet(0.1, 0.1, 40);
+  EXPECT_NEAR(ColliderDepth(wall).deepest(sheet.x, sheet.triangles).depth, 2e-4, 1e-9);
+  wall.x.col(2).array() += 0.01;  // which passes right through it
+  EXPECT_NEAR(ColliderDepth(wall).deepest(sheet.x, sheet.triangles).depth, 0.0102, 1e-9);
+}
+
 TEST(ColliderDepth, CollidersAreAskedWhereTheyAre) {
   const Sheet sheet = hex_sheet(0.2, 0.2, 40);
   const ColliderMesh cube = box({0.1, 0.1, 0.001}, {0.11, 0.11, 0.011});

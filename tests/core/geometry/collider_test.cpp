@@ -565,6 +565,62 @@ TEST(ColliderTest, ACageThatShrinksTooFarLeavesTheSheetBehindWhole) {
   EXPECT_GT(jammed, 0);
 }
 
+/// A bin without a lid: four walls from z = -0.1 to 0 round a square of this half width.
+ColliderMesh bin(double half) {
+  ColliderMesh mesh{"bin", Points3(8, 3), Triangles(10, 3), {}};
+  for (int k = 0; k < 4; ++k) {
+    const double x = k == 0 || k == 3 ? -half : half, y = k < 2 ? -half : half;
+    mesh.x.row(k) << x, y, -0.1;
+    mesh.x.row(4 + k) << x, y, 0;
+    const int next = (k + 1) % 4;
+    mesh.triangles.row(2 * k) << k, next, 4 + next;
+    mesh.triangles.row(2 * k + 1) << k, 4 + next, 4 + k;
+  }
+  mesh.triangles.row(8) << 0, 2, 1;
+  mesh.triangles.row(9) << 0, 3, 2;
+  return mesh;
+}
+
+TEST(ColliderTest, PushOutKnowsWhoHasComeOverTheRimOfABin) {
+  // the front is outside; facets are above the rim, and the smooth surface hangs below it
+  const auto colliders = all({bin(0.05)});
+  Points3 facets(3, 3), x(3, 3);
+  facets << 0.0485, 0, 1e-4, 0.0515, 0, 1e-4, 0.051, 0, -0.01;
+  x << 0.0485, 0, -3e-4, 0.0515, 0, -3e-4, 0.0499, 0, -0.01;
+  const Points3 before = x;
+  push_out(shapes_at(*colliders, 0), facets, 0, x);
+  EXPECT_EQ(x.topRows(2), before.topRows(2));  // on either side of the wall, over its rim
+  EXPECT_NEAR(x(2, 0), 0.05, 1e-12);           // through the wall
+}
+
+TEST(ColliderTest, ASheetLevelWithTheRimOfABinLeavesItsFrontInside) {
+  // three quarters of its vertices are beside the mouth: beyond the border there is no front
+  std::vector<ColliderMesh> meshes{bin(0.05)};
+  Sheet sheet = hex_sheet(0.2, 0.2, 60);
+  sheet.x.rowwise() -= Eigen::RowVector3d(0.1, 0.1, -1e-3);
+  face_the_sheet(meshes, sheet.x, Points3(0, 3));
+  EXPECT_GT(Collider(meshes[0]).nearest({0, 0, -0.05}, 1, 1).distance, 0);
+}
+
+TEST(ColliderClearanceTest, AnEdgeThatHangsOverARimIsLiftedOntoIt) {
+  const auto colliders = all({bin(0.05)});
+  Points3 outside(3, 3);
+  outside << 0.045, -0.002, 2e-4, 0.055, -0.002, 2e-4, 0.05, 0.01, 2e-4;
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  Points3 x = outside;
+  x.col(2).array() -= 5e-4;  // 0.3 mm below the rim
+  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one, outside);
+  EXPECT_LT(clearance.begins_inside(), 1e-9);
+  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
+  EXPECT_GT(0.5 * (x(0, 2) + x(1, 2)), -1e-6);
+  EXPECT_LT((x - outside).rowwise().norm().maxCoeff(), 1e-3);
+  // a sheet that the wall has been through begins inside
+  outside.col(2).array() -= 0.02;
+  EXPECT_GT(ColliderClearance(colliders, shapes_at(*colliders, 0), one, outside).begins_inside(),
+            1e-3);
+}
+
 TEST(ColliderTest, PushOutMovesOnlyWhatIsInsideTheGround) {
   const auto colliders = all({ground()});
   Points3 facets(2, 3), x(2, 3);
