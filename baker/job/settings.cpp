@@ -113,7 +113,7 @@ SetValue parse_set(const std::string& text) {
                   "Write for instance --set thickness=90e-6.");
     if (!parameter.accepts(std::stod(*value)))
       throw Error(ErrorCode::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
-                  unit_remedy(parameter));
+                  unit_remedy(parameter, std::stod(*value)));
     return {name, std::stod(*value), Origin::command};
   }
   throw Error(ErrorCode::command, "--set " + name,

@@ -23,12 +23,18 @@ struct BuiltInPreset {
 extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
+namespace {
+
+constexpr double lightest = 1e-3, heaviest = 10;  // [kg/m2]
+
+}  // namespace
+
 const std::array<PaperParameter, 11> paper_parameters{{
     {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
     {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
     {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
     {"poisson", &Paper::poisson, "1", 0, 0.49},
-    {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
+    {"area_density", &Paper::area_density, "kg/m2", lightest, heaviest},
     {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
     {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
     {"hardening", &Paper::hardening, "1", 0, 0.9},
@@ -36,6 +42,9 @@ const std::array<PaperParameter, 11> paper_parameters{{
     {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
     {"friction", &Paper::friction, "1", 0, max_friction, false},
 }};
+
+const PaperParameter grammage_parameter{
+    "grammage", &Paper::area_density, "g/m2", 1e3 * lightest, 1e3 * heaviest, false, 1e-3};
 
 namespace {
 
@@ -72,7 +81,8 @@ double read_value(const TomlDocument& document, const toml::table& table,
          fmt::format("The value of {} must be a number.", parameter.key));
   const double value = *node.value<double>();
   if (!parameter.accepts(value))
-    fail(document, node.source().begin, out_of_bounds(parameter, value), unit_remedy(parameter));
+    fail(document, node.source().begin, out_of_bounds(parameter, value),
+         unit_remedy(parameter, value));
   return value;
 }
 
@@ -134,15 +144,22 @@ Preset parse_preset(const std::string& file, const std::string& text) {
 
 }  // namespace
 
+const PaperParameter& paper_parameter(std::string_view key) {
+  return *std::find_if(paper_parameters.begin(), paper_parameters.end(),
+                       [&](const PaperParameter& parameter) { return parameter.key == key; });
+}
+
 std::string out_of_bounds(const PaperParameter& parameter, double value) {
   return fmt::format("The {} cannot be {}: paper lies between {} and {}{}.", parameter.key, value,
                      parameter.min, parameter.max,
                      has_unit(parameter) ? fmt::format(" [{}]", parameter.unit) : "");
 }
 
-std::string unit_remedy(const PaperParameter& parameter) {
-  return has_unit(parameter) ? fmt::format("Give the value in {}.", parameter.unit)
-                             : "Give a number within these bounds; it has no unit.";
+std::string unit_remedy(const PaperParameter& parameter, double value) {
+  if (!has_unit(parameter)) return "Give a number within these bounds; it has no unit.";
+  if (parameter.unit == std::string_view("m") && parameter.accepts(1e-3 * value))
+    return fmt::format("Give the value in m: {:g} mm is {:g} m.", value, 1e-3 * value);
+  return fmt::format("Give the value in {}.", parameter.unit);
 }
 
 std::string preset_text(const Preset& preset) {

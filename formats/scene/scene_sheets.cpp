@@ -2,6 +2,7 @@
 
 #include "core/model/error.h"
 #include "core/model/paper.h"
+#include "formats/config/preset_file.h"
 #include "formats/scene/flat_sheet.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/sheet_rules.h"
@@ -105,6 +106,35 @@ void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& auth
   }
 }
 
+/// The number that a sheet gives for a parameter of its paper; nothing without that property.
+std::optional<double> paper_property(const SceneNodes& scene, const ImportedNode& node,
+                                     const std::string& key, const PaperParameter& parameter) {
+  const auto number = number_property(scene.source, node, key);
+  if (number && !parameter.accepts(*number))
+    throw Error(ErrorCode::scene, place_of(scene.source, "sheet", node.name) + ", " + key,
+                out_of_bounds(parameter, *number), unit_remedy(parameter, *number));
+  return number;
+}
+
+/// Sets what the properties of its node say of the paper of a sheet.
+void read_paper(const SceneNodes& scene, const ImportedNode& node, SceneSheet& sheet) {
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  sheet.preset = text_property(node, "paper_preset");
+  sheet.grammage = paper_property(scene, node, "paper_gsm", grammage_parameter);
+  sheet.thickness = paper_property(scene, node, "paper_thickness", paper_parameter("thickness"));
+  sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
+  if (sheet.friction && *sheet.friction > max_friction)
+    throw Error(ErrorCode::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+                fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
+                            max_friction));
+  if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
+    if (*seed < 0)
+      throw Error(ErrorCode::scene, place, fmt::format("paper_seed is {}.", *seed),
+                  "It must be a whole number of at least 0.");
+    sheet.seed = static_cast<unsigned>(*seed);
+  }
+}
+
 SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
                       const SceneOptions& options, const AppliedOverrides& overrides,
                       std::vector<std::string>& warnings) {
@@ -121,20 +151,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
   check_size(scene, node, extent(sheet.pattern), options);
   warn_of_distance(sheet.name, sheet.start.x, warnings);
-  sheet.preset = text_property(node, "paper_preset");
-  sheet.grammage = positive_property(scene.source, node, "paper_gsm");
-  sheet.thickness = positive_property(scene.source, node, "paper_thickness");
-  sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
-  if (sheet.friction && *sheet.friction > max_friction)
-    throw Error(ErrorCode::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
-                fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
-                            max_friction));
-  if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
-    if (*seed < 0)
-      throw Error(ErrorCode::scene, place, fmt::format("paper_seed is {}.", *seed),
-                  "It must be a whole number of at least 0.");
-    sheet.seed = static_cast<unsigned>(*seed);
-  }
+  read_paper(scene, node, sheet);
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.singular_point_rules = overrides.singular_point_rules;

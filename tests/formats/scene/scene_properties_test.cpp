@@ -47,8 +47,16 @@ TEST(SceneProperties, PropertiesAreReadWhateverTheirType) {
 }
 
 TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
-  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_friction":40})").write("bad.gltf"),
-               "paper_friction is 40");
+  const auto sheet_with = [](const char* extras) {
+    return HeldSheet(grid(2, 2, 0.2, 0.2), extras).write("bad.gltf");
+  };
+  EXPECT_ERROR(sheet_with(R"({"paper_friction":40})"), "paper_friction is 40");
+  EXPECT_ERROR(sheet_with(R"({"paper_thickness":0.09})"),
+               "bad.gltf, sheet \"paper\", paper_thickness\n  The thickness cannot be 0.09: paper "
+               "lies between 5e-06 and 0.005 [m].\n  Give the value in m: 0.09 mm is 9e-05 m.");
+  EXPECT_ERROR(sheet_with(R"({"paper_gsm":20000})"),
+               "The grammage cannot be 20000: paper lies between 1 and 10000 [g/m2].");
+  EXPECT_ERROR(sheet_with(R"({"paper_gsm":0})"), "The grammage cannot be 0");
   const auto with = [](const char* extras) {
     return HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("bad.gltf");
   };
