@@ -300,7 +300,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
         warnings.push_back(fmt::format(
             "The sheet \"{}\" has paper_crease, but no edge within it is marked as a crease.",
             node.name));
-    } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
+    } else if (!is_collider(scene, i) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
         if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "mesh");
         warnings.push_back(

@@ -18,9 +18,13 @@
 namespace paperbake {
 namespace {
 
-/// Whether a node moves sheets without handles.
-bool moves_sheets(const ImportedNode& node) {
-  return is_collider(node) || is_wind(node) || node.properties.count("paper_gravity") > 0;
+/// Whether something moves sheets without handles.
+bool sheets_move_alone(const SceneNodes& scene) {
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i)
+    if (const ImportedNode& node = scene.file.nodes[i];
+        is_collider(scene, i) || is_wind(node) || node.properties.count("paper_gravity") > 0)
+      return true;
+  return false;
 }
 
 constexpr double on_border = 1e-5;  // of the longer side
@@ -87,7 +91,7 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
         leaves.insert(child);
   }
   // without handles the sheet may still fall, or be blown away
-  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), moves_sheets))
+  if (found.empty() && !sheets_move_alone(scene))
     throw Error(ErrorCode::scene, scene.source,
                 "The scene has no handle: no node's name starts with \"handle\".",
                 "Put an empty or a locator named handle... on the sheet at the first frame, and "
@@ -245,10 +249,7 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
   const auto lets_go = [](const Handle& handle) {
     return handle.release_frame < std::numeric_limits<int>::max();
   };
-  const auto& nodes = scene.file.nodes;
-  if (std::any_of(handles.begin(), handles.end(), lets_go) ||
-      std::any_of(nodes.begin(), nodes.end(), moves_sheets))
-    return;
+  if (std::any_of(handles.begin(), handles.end(), lets_go) || sheets_move_alone(scene)) return;
   warnings.push_back(scene.file.takes.empty()
                          ? "No handle moves: the file has no animation."
                          : "No handle moves: no animation of the file belongs to one.");

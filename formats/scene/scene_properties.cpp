@@ -142,12 +142,18 @@ std::vector<double> list_property(const ImportedNode& node, const std::string& k
   return list ? *list : std::vector<double>();
 }
 
-bool flag_property(const ImportedNode& node, const std::string& key) {
+std::optional<bool> yes_or_no(const ImportedNode& node, const std::string& key) {
   const PropertyValue* value = find(node, key);
-  if (!value) return false;
+  if (!value) return std::nullopt;
   if (const auto number = as_number(*value)) return *number != 0;
   const auto* text = std::get_if<std::string>(value);
-  return text && (*text == "true" || *text == "True" || *text == "yes");
+  const std::string word = text ? matched_name(*text) : "";
+  if (word == "true" || word == "yes") return true;
+  return word == "false" || word == "no" ? std::optional(false) : std::nullopt;
+}
+
+bool flag_property(const ImportedNode& node, const std::string& key) {
+  return yes_or_no(node, key).value_or(false);
 }
 
 std::vector<std::string> unknown_properties(const std::vector<ImportedNode>& nodes) {

@@ -44,7 +44,9 @@ std::optional<double> nonnegative_property(const std::string& source, const Impo
 std::optional<std::string> text_property(const ImportedNode&, const std::string& key);
 // empty when there is none or it is not a list
 std::vector<double> list_property(const ImportedNode&, const std::string& key);
-// false when there is none
+// nothing when there is none, or it says neither yes nor no
+std::optional<bool> yes_or_no(const ImportedNode&, const std::string& key);
+// whether it says yes
 bool flag_property(const ImportedNode&, const std::string& key);
 
 /// A warning for each paper_* property that is not known.
