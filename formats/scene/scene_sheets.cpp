@@ -6,6 +6,7 @@
 #include "formats/scene/flat_sheet.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/sheet_rules.h"
+#include "formats/scene/sheet_size.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,65 +19,6 @@
 
 namespace paperbake {
 namespace {
-
-// [m] limits of the longer side, beyond which the unit of the file must be wrong
-constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
-constexpr double size_agreement = 0.01;  // relative tolerance of paper_size
-
-/// The size in paper_size, with the two sides exchanged where that fits the measured size better;
-/// nothing without that property.
-std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
-  const auto list = list_property(node, "paper_size");
-  if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
-  const Vector2d stated(list[0], list[1]), turned(list[1], list[0]);
-  const auto off = [&](const Vector2d& size) {
-    return (measured.cwiseQuotient(size).array().log()).matrix().squaredNorm();
-  };
-  return off(turned) < off(stated) ? turned : stated;
-}
-
-/// The power of ten by which the sheet should be scaled: to the size in paper_size, else to a
-/// plausible one.
-double likely_factor(double longer, const std::optional<Vector2d>& stated) {
-  if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
-  // centimetres and millimetres first
-  for (double factor : {0.01, 100.0, 0.001, 1000.0, 0.1, 10.0})
-    if (0.05 <= longer * factor && longer * factor <= 2) return factor;
-  return std::pow(10, std::round(std::log10(0.2 / longer)));
-}
-
-/// "The file is probably in centimetres: bake with --unit-scale 0.01, ..."
-std::string unit_remedy(const SceneNodes& scene, double factor) {
-  const double unit = scene.unit * factor;
-  const auto is = [&](double known) { return std::abs(unit / known - 1) < 1e-6; };
-  const std::string guess = is(0.01)    ? "The file is probably in centimetres"
-                            : is(0.001) ? "The file is probably in millimetres"
-                            : is(1)     ? "The file is probably in metres"
-                                        : "The unit of the file is probably wrong";
-  return fmt::format("{}: bake with --unit-scale {:.6g}, or export {:.6g} times as large.", guess,
-                     unit, factor);
-}
-
-void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2d& size,
-                const SceneOptions& options) {
-  const std::string place = place_of(scene.source, "sheet", node.name);
-  const double longer = size.maxCoeff();
-  const auto stated = stated_size(node, size);
-  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
-    throw Error(ErrorCode::scene, place,
-                fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
-                            metres(size)),
-                unit_remedy(scene, likely_factor(longer, stated)));
-  if (!stated || (size.cwiseQuotient(*stated).array() - 1).abs().maxCoeff() <= size_agreement)
-    return;
-  const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
-  const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
-  throw Error(ErrorCode::scene, place,
-              fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size),
-                          metres(*stated)),
-              wrong_unit ? unit_remedy(scene, std::pow(10, power))
-                         : "Correct paper_size or the mesh; they must agree within 1 %.");
-}
 
 /// Caches hold positions as numbers of 32 bits, whose distance grows with the distance from the
 /// origin. Warns where it is more than a fortieth of the shortest edges of a render mesh.
@@ -149,7 +91,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   for (const auto& [key, value] : node.properties)
     if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
   name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
-  check_size(scene, node, extent(sheet.pattern), options);
+  check_size(scene, node, extent(sheet.pattern), options, warnings);
   warn_of_distance(sheet.name, sheet.start.x, warnings);
   read_paper(scene, node, sheet);
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})

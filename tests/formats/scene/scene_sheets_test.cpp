@@ -165,7 +165,11 @@ TEST(SceneSheets, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const FlatMesh mesh = grid(4, 4, 20, 20);
   const std::string text = error_of(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"));
   EXPECT_NE(text.find("20 x 20 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("--unit-scale 0.01"), std::string::npos) << text;
+  EXPECT_NE(
+      text.find("The sheet would be 20 x 20 mm in millimetres (--unit-scale 0.001), 200 x 200 "
+                "mm in centimetres (--unit-scale 0.01), 508 x 508 mm in inches"),
+      std::string::npos)
+      << text;
   SceneOptions options;
   options.unit_scale = 0.01;
   const Scene scene = read_scene(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"), options);
@@ -187,6 +191,34 @@ TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
                "--unit-scale 0.1");
   EXPECT_ERROR(HeldSheet(grid(2, 2, 20, 10), R"({"paper_size":[0.2,0.1]})").write("hundred.gltf"),
                "--unit-scale 0.01");
+  EXPECT_ERROR(
+      HeldSheet(grid(2, 2, 8, 4), R"({"paper_size":[0.2032,0.1016]})").write("inch.gltf"),
+      "The file is probably in inches: bake with --unit-scale 0.0254, with which the sheet "
+      "is 203.2 x 101.6 mm");
+}
+
+TEST(SceneSheets, OnlyUnitsThatGiveAUsualSizeAreProposed) {
+  const auto with_side = [](double side) {
+    return HeldSheet(grid(2, 2, side, 0.75 * side), "{}", "{}", side / 0.2).write("unit.gltf");
+  };
+  EXPECT_ERROR(with_side(200),
+               "The file is probably in millimetres: bake with --unit-scale 0.001, "
+               "with which the sheet is 200 x 150 mm");
+  const std::string both = error_of(with_side(7.874));
+  EXPECT_NE(both.find("78.74 x 59.06 mm in centimetres"), std::string::npos) << both;
+  EXPECT_NE(both.find("200 x 150 mm in inches (--unit-scale 0.0254)"), std::string::npos) << both;
+  EXPECT_EQ(both.find("millimetres"), std::string::npos) << both;
+  EXPECT_ERROR(with_side(1e-5), "bake with --unit-scale and the length of one unit");
+}
+
+TEST(SceneSheets, ASheetLargerThanAnyThatIsSoldIsWarnedOf) {
+  EXPECT_FALSE(test::has_warning(read_scene(HeldSheet(grid(2, 2, 1.189, 0.841)).write("a0.gltf")),
+                                 "larger than A0"));
+  const auto path = HeldSheet(grid(2, 2, 4, 3)).write("large.gltf");
+  EXPECT_TRUE(test::has_warning(read_scene(path), "larger than A0: is that meant?"));
+  SceneOptions options;
+  options.unit_scale = 1;
+  EXPECT_FALSE(test::has_warning(read_scene(path, options), "larger than A0"));
 }
 
 }  // namespace
