@@ -33,14 +33,6 @@ Points3 rounded(const Points3& x) {
   return (x.array() * unit).round() / unit;
 }
 
-/// A sentence on what of a collider is not followed; empty: all is.
-std::string not_followed(const SceneNodes& scene, const ImportedNode& node) {
-  for (const int m : node.meshes)
-    if (const std::string& what = scene.file.meshes[m].not_followed; !what.empty())
-      return fmt::format("{} of the collider \"{}\" is not followed.", what, node.name);
-  return "";
-}
-
 using PaperSide = ColliderMesh::PaperSide;
 
 /// What the property paper_collider of a node says.
@@ -156,8 +148,9 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
           "The collider \"{}\" is open, and the paper cannot stay inside it: it stays on the side "
           "where it begins. Close the mesh to hold the paper inside.",
           collider.name));
-    if (std::string sentence = not_followed(scene, nodes[i]); !sentence.empty())
-      warnings.push_back(std::move(sentence));
+    if (const std::string what = not_followed(scene.file, nodes[i]); !what.empty())
+      warnings.push_back(
+          fmt::format("{} of the collider \"{}\" is not followed.", what, collider.name));
     found.push_back(i);
     kept.push_back(std::move(mesh_kept));
     colliders.push_back(std::move(collider));

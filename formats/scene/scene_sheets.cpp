@@ -4,9 +4,12 @@
 #include "core/model/paper.h"
 #include "formats/config/preset_file.h"
 #include "formats/scene/flat_sheet.h"
+#include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
+#include "formats/scene/scene_unroll.h"
 #include "formats/scene/sheet_rules.h"
 #include "formats/scene/sheet_size.h"
+#include "formats/scene/welded_mesh.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -77,13 +80,63 @@ void read_paper(const SceneNodes& scene, const ImportedNode& node, SceneSheet& s
   }
 }
 
-SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
+/// The sheet as it was modelled, without bones and blend shapes.
+/// world  of every node at the first frame
+FlatSheet undeformed_sheet(const SceneNodes& scene, int index,
+                           const std::vector<Eigen::Affine3d>& world, const std::string& place) {
+  return flat_sheet(scene.file, index, world[index],
+                    combined_mesh(scene.file, index, world[index]).x, place);
+}
+
+/// The sheet as bones and blend shapes put it at the first frame. The pattern is that of the sheet
+/// as it was modelled, where its lengths are kept, else that of the shape itself.
+/// world  of every node at the first frame
+FlatSheet deformed_sheet(const SceneNodes& scene, int index,
+                         const std::vector<Eigen::Affine3d>& world, const std::string& place) {
+  const Points3 x = vertices_at(scene, index, world, scene.first_frame);
+  try {
+    FlatSheet flat = undeformed_sheet(scene, index, world, place);
+    flat.start.x = x(flat.kept, Eigen::all);
+    if (keeps_lengths({flat.start.x, {}, flat.start.triangles}, flat.start.pattern)) return flat;
+  } catch (const Error&) {  // what was modelled need not be a sheet
+  }
+  return flat_sheet(scene.file, index, world[index], x, place);
+}
+
+/// The sheet with which the shot begins. Warns where bones and blend shapes are not followed.
+/// world  of every node at the first frame
+/// sheet  its `deformed` is set
+FlatSheet flat_sheet_at_start(const SceneNodes& scene, int index,
+                              const std::vector<Eigen::Affine3d>& world, SceneSheet& sheet,
+                              std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  if (const std::string what = not_followed(scene.file, node); !what.empty())
+    warnings.push_back(fmt::format(
+        "{} of the sheet \"{}\" is not followed: it starts without. Apply the deformation that it "
+        "has at frame {} to the mesh in the DCC and export again.",
+        what, node.name, scene.first_frame));
+  if (!is_deformed(scene.file, node)) return undeformed_sheet(scene, index, world, place);
+  try {
+    FlatSheet flat = deformed_sheet(scene, index, world, place);
+    sheet.deformed = true;
+    return flat;
+  } catch (const Error& error) {
+    warnings.push_back(fmt::format(
+        "Bones or blend shapes give the sheet \"{}\" at frame {} a shape that paper does not have: "
+        "it starts undeformed. {} Bend it without stretch, or apply the deformation to the mesh in "
+        "the DCC, correct the mesh and export again.",
+        node.name, scene.first_frame, error.cause));
+    return undeformed_sheet(scene, index, world, place);
+  }
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eigen::Affine3d>& world,
                       const SceneOptions& options, const AppliedOverrides& overrides,
                       std::vector<std::string>& warnings) {
   const ImportedNode& node = scene.file.nodes[index];
-  const std::string place = place_of(scene.source, "sheet", node.name);
-  FlatSheet flat = flat_sheet(scene.file, index, world, place);
   SceneSheet sheet;
+  FlatSheet flat = flat_sheet_at_start(scene, index, world, sheet, warnings);
   sheet.name = node.name;
   sheet.pattern = std::move(flat.pattern);
   sheet.start = std::move(flat.start);
@@ -100,13 +153,6 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
   check_rules(sheet.singular_point_rules, sheet.pattern, overrides.rules_place, node.name);
   sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
-  for (int m : node.meshes)
-    if (scene.file.meshes[m].deformed) {
-      warnings.push_back(fmt::format(
-          "Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
-          node.name));
-      break;
-    }
   return sheet;
 }
 
@@ -157,7 +203,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
     try {
-      sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
+      sheets.push_back(read_sheet(scene, i, world, options, overrides[i], warnings));
     } catch (const Error& error) {
       if (!is_longer_word(node.name)) throw;
       if (!no_sheet) no_sheet = taken_for_sheet(error);
@@ -174,19 +220,30 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
 void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
   constexpr int looks = 16;  // frames that are compared with the first
   const auto first = world_at(scene, scene.first_frame);
-  std::set<int> moved;
+  std::set<int> moved, deformed;
   for (int look = 1; look <= looks; ++look) {
-    const auto world =
-        world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
-    for (int i = 0; i < static_cast<int>(world.size()); ++i)
-      if (is_named_sheet(scene.file.nodes[i]) && !world[i].isApprox(first[i], 1e-5))
+    const int frame = scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks;
+    const auto world = world_at(scene, frame);
+    for (int i = 0; i < static_cast<int>(world.size()); ++i) {
+      if (!is_named_sheet(scene.file.nodes[i])) continue;
+      if (!world[i].isApprox(first[i], 1e-5))
         moved.insert(i);
+      else if (is_deformed(scene.file, scene.file.nodes[i]) &&
+               !vertices_at(scene, i, world, frame)
+                    .isApprox(vertices_at(scene, i, first, scene.first_frame), 1e-5))
+        deformed.insert(i);
+    }
   }
   for (const int i : moved)
     warnings.push_back(
         fmt::format("The sheet \"{}\" is keyed or moves with its parent: it starts where it is at "
                     "frame {}, then only handles move it.",
                     scene.file.nodes[i].name, scene.first_frame));
+  for (const int i : deformed)
+    warnings.push_back(fmt::format(
+        "Bones or blend shapes go on to deform the sheet \"{}\" after frame {}, with which it "
+        "starts: that is not followed, only handles move it.",
+        scene.file.nodes[i].name, scene.first_frame));
 }
 
 }  // namespace paperbake

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -175,6 +176,52 @@ TEST(SceneSheets, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const Scene scene = read_scene(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"), options);
   EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-7);
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
+}
+
+/// The sheets of tests/data/deformed_sheets.py: its radius, its angle, and its size.
+void expect_deformed_sheets(const std::string& file) {
+  const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / file);
+  ASSERT_EQ(scene.sheets.size(), 3u);
+  for (const SceneSheet& sheet : scene.sheets) {
+    EXPECT_NEAR((extent(sheet.pattern) - Vector2d(0.2, 0.1)).norm(), 0, 1e-6)
+        << sheet.name << ": the chords of the roll do not make it shorter";
+    const Points2& flat = sheet.start.pattern;
+    const Points3 x = sheet.start.x.rowwise() - sheet.start.x.row(0);
+    const bool rolled = sheet.name == "paper.rolled", folded = sheet.name == "paper.folded";
+    EXPECT_EQ(sheet.deformed, rolled || folded) << sheet.name;
+    for (Eigen::Index v = 0; v < x.rows(); ++v) {
+      constexpr double radius = 0.08, angle = M_PI / 3;
+      const double u = flat(v, 0), beyond = std::max(0.0, u - 0.1);
+      const Vector2d along =
+          rolled   ? Vector2d(radius * std::sin(u / radius), radius - radius * std::cos(u / radius))
+          : folded ? Vector2d(u - beyond + beyond * std::cos(angle), beyond * std::sin(angle))
+                   : Vector2d(u, 0);
+      EXPECT_NEAR(x(v, 0), along.x(), 1e-5) << sheet.name << ' ' << v;
+      EXPECT_NEAR(std::abs(x(v, 2)), along.y(), 1e-5) << sheet.name << ' ' << v;
+    }
+  }
+  EXPECT_TRUE(test::has_warning(scene,
+                                "give the sheet \"paper.bulged\" at frame 1 a shape that "
+                                "paper does not have: it starts undeformed."));
+  EXPECT_TRUE(test::has_warning(scene, "apply the deformation to the mesh"));
+  EXPECT_TRUE(test::has_warning(scene, "go on to deform the sheet \"paper.rolled\""));
+  EXPECT_FALSE(test::has_warning(scene, "go on to deform the sheet \"paper.folded\""));
+}
+
+TEST(SceneSheets, StartAsBonesAndShapeKeysPutThem) {
+  expect_deformed_sheets("deformed_sheets.glb");
+}
+
+TEST(SceneSheets, OfAnFbxStartAsBonesAndShapeKeysPutThem) {
+  const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / "deformed_sheets.fbx");
+  if (scene.origin.at("curves").find("ufbx") == std::string::npos) GTEST_SKIP() << "needs ufbx";
+  expect_deformed_sheets("deformed_sheets.fbx");
+  for (const SceneSheet& sheet : scene.sheets)
+    if (sheet.name == "paper.folded") {
+      // glTF has no marks of edges
+      ASSERT_EQ(sheet.pattern.prescribed_creases.size(), 1u) << "the marked edges lie on it";
+      EXPECT_NEAR(std::abs(sheet.pattern.prescribed_creases[0].angle), M_PI / 3, 1e-4);
+    }
 }
 
 TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
