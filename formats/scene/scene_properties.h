@@ -2,6 +2,7 @@
 
 #include "formats/scene/scene_import.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -48,6 +49,18 @@ std::vector<double> list_property(const ImportedNode&, const std::string& key);
 std::optional<bool> yes_or_no(const ImportedNode&, const std::string& key);
 // whether it says yes
 bool flag_property(const ImportedNode&, const std::string& key);
+
+/// A number that any object may give for the whole scene, and the name of the first that gives it;
+/// nothing when none does.
+/// read    reads it: number_property or positive_property
+/// throws  Error(ErrorCode::scene) as these do, and when two objects give different numbers
+struct NumberOfScene {
+  double value;
+  std::string node;
+};
+std::optional<NumberOfScene> number_of_scene(
+    const std::string& source, const std::vector<ImportedNode>&, const std::string& key,
+    const std::function<std::optional<double>(const ImportedNode&)>& read);
 
 /// A warning for each paper_* property that is not known.
 std::vector<std::string> unknown_properties(const std::vector<ImportedNode>&);

@@ -69,5 +69,22 @@ TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
   EXPECT_ERROR(with(R"({"paper_target":"napkin"})"), "The sheets are: paper.");
 }
 
+TEST(SceneProperties, OfTheWholeSceneMustNotContradictEachOther) {
+  const auto with = [](const char* on_sheet, const char* on_handle) {
+    return HeldSheet(grid(2, 2, 0.2, 0.2), on_sheet, on_handle).write("whole.gltf");
+  };
+  EXPECT_ERROR(with(R"({"paper_fps":24})", R"({"paper_fps":30})"),
+               "whole.gltf, nodes \"paper\" and \"handle.moved\"\n  paper_fps is 24 on the one and "
+               "30 on the other");
+  EXPECT_ERROR(with(R"({"paper_gravity":9.81})", R"({"paper_gravity":0})"),
+               "paper_gravity is 9.81");
+  EXPECT_ERROR(with(R"({"paper_air":0})", R"({"paper_air":1.2})"), "paper_air is 0");
+  EXPECT_EQ(read_scene(with(R"({"paper_fps":24})", R"({"paper_fps":"24.0"})")).fps, 24);
+  SceneOptions options;
+  options.fps = 25;
+  EXPECT_EQ(read_scene(with(R"({"paper_fps":24})", R"({"paper_fps":30})"), options).fps, 25)
+      << "neither counts";
+}
+
 }  // namespace
 }  // namespace paperbake
