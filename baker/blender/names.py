@@ -8,8 +8,11 @@ ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND)
 
 
 def matched(name):
-    """As the program matches names: without case and namespace, and with `.` `_` `-` alike."""
-    return re.sub(r"[_-]", ".", name.rsplit(":", 1)[-1].lower())
+    """As the program matches names: without case and namespace, and with `.` `_` `-` alike. "Paper: Letter" has no namespace."""
+    read = (SHEET, HANDLE, COLLIDER, CREASE, WIND)
+    whole = name.lower()
+    behind = whole.rsplit(":", 1)[-1]
+    return re.sub(r"[_-]", ".", whole if whole.startswith(read) and not behind.startswith(read) else behind)
 
 
 def begins_with(name, role):

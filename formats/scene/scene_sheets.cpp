@@ -158,8 +158,18 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eige
 
 [[noreturn]] void reject_without_sheet(const SceneNodes& scene) {
   std::vector<std::string> meshes;
-  for (const ImportedNode& node : scene.file.nodes)
-    if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  for (const ImportedNode& node : scene.file.nodes) {
+    if (node.meshes.empty()) continue;
+    if (name_begins_with(node.name, "paper"))
+      throw Error(ErrorCode::scene, place_of(scene.source, "node", node.name),
+                  "The scene has no sheet: this mesh is named like one, but it is ignored.",
+                  "Take its property paper_ignore away.");
+    if (name_begins_with(instanced_name(node.name), "paper"))
+      throw Error(ErrorCode::scene, place_of(scene.source, "node", node.name),
+                  "The scene has no sheet: this mesh is the instance of a collection.",
+                  realise_instances);
+    if (meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  }
   throw Error(ErrorCode::scene, scene.source,
               "The scene has no sheet: no mesh whose name starts with \"paper\".",
               meshes.empty() ? "It has no mesh at all: was the sheet exported?"

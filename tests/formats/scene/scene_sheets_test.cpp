@@ -1,6 +1,7 @@
 // The sheet and its pattern from meshes written by hand.
 
 #include "formats/scene/scene_file.h"
+#include "formats/scene/scene_properties.h"
 
 #include "tests/formats/scene/scene_fixture.h"
 
@@ -176,6 +177,31 @@ TEST(SceneSheets, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const Scene scene = read_scene(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"), options);
   EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-7);
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
+}
+
+TEST(SceneSheets, ANameWithAColonIsWholeUnlessItHasANamespace) {
+  for (const char* name : {"Paper: Letter", "paper:letter", "shot:char:paper_01", "paper:Paper 2"})
+    EXPECT_EQ(read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, name).write("colon.gltf"))
+                  .sheets.at(0)
+                  .name,
+              name);
+  EXPECT_EQ(matched_name("Rig:Handle_Left.001"), "handle.left");
+  EXPECT_EQ(matched_name("rig:Grip_Left.001"), "grip.left");
+  EXPECT_EQ(matched_name("paper:handle"), "handle");
+  EXPECT_EQ(matched_name("Paper: Letter"), "paper: letter");
+}
+
+TEST(SceneSheets, TheInstanceOfACollectionIsToBeMadeReal) {
+  HeldSheet fixture(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "table|paper|Dupli|");
+  const std::string text = error_of(fixture.write("instance.gltf"));
+  EXPECT_NE(text.find("this mesh is the instance of a collection"), std::string::npos) << text;
+  EXPECT_NE(text.find("Make Instances Real"), std::string::npos) << text;
+  HeldSheet beside;
+  beside.mesh("table|collider.box|Dupli|", grid(1, 1, 0.5, 0.5));
+  beside.mesh("table|box|Dupli|", grid(1, 1, 0.5, 0.5));
+  const Scene scene = read_scene(beside.write("beside.gltf"));
+  EXPECT_TRUE(test::has_warning(scene, "\"table|collider.box|Dupli|\" is ignored"));
+  EXPECT_FALSE(test::has_warning(scene, "\"table|box|Dupli|\""));
 }
 
 /// The sheets of tests/data/deformed_sheets.py: its radius, its angle, and its size.
