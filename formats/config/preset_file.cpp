@@ -150,7 +150,7 @@ const PaperParameter& paper_parameter(std::string_view key) {
 }
 
 std::string out_of_bounds(const PaperParameter& parameter, double value) {
-  return fmt::format("The {} cannot be {}: paper lies between {} and {}{}.", parameter.key, value,
+  return fmt::format("The {} cannot be {:g}: paper lies between {} and {}{}.", parameter.key, value,
                      parameter.min, parameter.max,
                      has_unit(parameter) ? fmt::format(" [{}]", parameter.unit) : "");
 }
@@ -193,7 +193,7 @@ std::vector<std::string> user_preset_names() {
   return names;
 }
 
-Preset read_preset(const std::string& name_or_file) {
+Preset read_preset(const std::string& name_or_file, const std::string& asked_by) {
   if (is_file(name_or_file))
     return parse_preset(name_or_file, read_toml_text(name_or_file, "preset"));
   const std::vector<std::string> user_names = user_preset_names();
@@ -205,14 +205,17 @@ Preset read_preset(const std::string& name_or_file) {
     if (name_or_file == built_in_presets[i].name)
       return parse_preset(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
 
+  const ErrorCode code = asked_by.empty() ? ErrorCode::command : ErrorCode::scene;
   if (name_or_file.find('/') != std::string::npos ||
       std::filesystem::path(name_or_file).extension() == ".toml")
-    throw Error(ErrorCode::command, name_or_file, "There is no such preset file.",
+    throw Error(code, asked_by.empty() ? name_or_file : asked_by,
+                asked_by.empty() ? "There is no such preset file."
+                                 : fmt::format("There is no preset file \"{}\".", name_or_file),
                 "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
   names.insert(names.end(), user_names.begin(), user_names.end());
   throw Error(
-      ErrorCode::command, fmt::format("preset \"{}\"", name_or_file),
+      code, asked_by.empty() ? fmt::format("preset \"{}\"", name_or_file) : asked_by,
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
       fmt::format("Papers: {}; or give the path of a preset file.", fmt::join(names, ", ")));
 }

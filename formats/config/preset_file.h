@@ -64,7 +64,9 @@ struct Preset {
 /// compiled into the program). throws Error(ErrorCode::command): unknown grade (with the nearest
 /// name); or, at file:line:column, a syntax error, an unknown or missing key, a wrong type, a
 /// wrong unit, a value out of range
-Preset read_preset(const std::string& name_or_file);
+/// asked_by  the place in a scene that names the grade: an unknown one is then an error of the
+///           scene there, Error(ErrorCode::scene)
+Preset read_preset(const std::string& name_or_file, const std::string& asked_by = "");
 /// A preset file with the same content, without the comments of the original.
 std::string preset_text(const Preset&);
 std::vector<std::string> preset_names();  // of the built-in ones, sorted
