@@ -94,6 +94,8 @@ FlatSheet undeformed_sheet(const SceneNodes& scene, int index,
 FlatSheet deformed_sheet(const SceneNodes& scene, int index,
                          const std::vector<Eigen::Affine3d>& world, const std::string& place) {
   const Points3 x = vertices_at(scene, index, world, scene.first_frame);
+  if (!x.allFinite())
+    throw Error(ErrorCode::scene, place, "A vertex is moved beyond all numbers.", export_again);
   try {
     FlatSheet flat = undeformed_sheet(scene, index, world, place);
     flat.start.x = x(flat.kept, Eigen::all);

@@ -250,6 +250,17 @@ TEST(SceneSheets, OfAnFbxStartAsBonesAndShapeKeysPutThem) {
     }
 }
 
+TEST(SceneSheets, AShapeKeyBeyondAllNumbersIsNotFollowed) {
+  ImportedFile file = import_in_process(HeldSheet().write("huge.gltf"));
+  ImportedMesh& mesh = file.meshes.at(0);
+  mesh.deformed = true;
+  mesh.targets = {Points3::Constant(mesh.x.rows(), 3, 1e308)};
+  mesh.target_weights = {10};
+  const Scene scene = scene_of(std::move(file), "huge.gltf");
+  EXPECT_TRUE(test::has_warning(scene, "A vertex is moved beyond all numbers."));
+  EXPECT_TRUE(scene.sheets.at(0).start.x.allFinite());
+}
+
 TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
   EXPECT_EQ(
       error_of(
