@@ -2,6 +2,7 @@
 
 #include "baker/bake/frame_renderer.h"
 #include "baker/bake/shared_render_mesh.h"
+#include "core/geometry/surface_transfer.h"
 
 #include <optional>
 #include <utility>

@@ -2,6 +2,7 @@
 
 #include "baker/bake/render_shapes.h"
 #include "baker/bake/task_queue.h"
+#include "core/geometry/surface_transfer.h"
 #include "core/render/untangle_sheets.h"
 
 #include <algorithm>

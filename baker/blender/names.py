@@ -8,8 +8,11 @@ ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND)
 
 
 def matched(name):
-    """As the program matches names: without case and namespace, and with `.` `_` `-` alike."""
-    return re.sub(r"[_-]", ".", name.rsplit(":", 1)[-1].lower())
+    """As the program matches names: without case and namespace, and with `.` `_` `-` alike. "Paper: Letter" has no namespace."""
+    read = (SHEET, HANDLE, COLLIDER, CREASE, WIND)
+    whole = name.lower()
+    behind = whole.rsplit(":", 1)[-1]
+    return re.sub(r"[_-]", ".", whole if whole.startswith(read) and not behind.startswith(read) else behind)
 
 
 def begins_with(name, role):
@@ -18,7 +21,7 @@ def begins_with(name, role):
 
 def role(thing):
     """One of ROLES, or None. Colliders first: a mesh may be both by its names."""
-    if thing.type == "MESH" and (thing.get("paper_collider") or begins_with(thing.name, COLLIDER)):
+    if thing.type == "MESH" and says_collider(thing):
         return COLLIDER
     if thing.type == "MESH" and begins_with(thing.name, SHEET):
         return SHEET
@@ -26,7 +29,22 @@ def role(thing):
         return CREASE
     if is_wind(thing):
         return WIND
-    return next((prefix for prefix in (HANDLE, CLAMP) if begins_with(thing.name, prefix)), None)
+    held = next((prefix for prefix in (HANDLE, CLAMP) if begins_with(thing.name, prefix)), None)
+    return COLLIDER if held is None and up_to_group(thing) else held
+
+
+def says_collider(thing):
+    return bool(thing.get("paper_collider")) or begins_with(thing.name, COLLIDER)
+
+
+def up_to_group(thing):
+    """What is above a mesh, up to the empty that makes it a collider; nothing where none does."""
+    if thing.type != "MESH" or "paper_collider" in thing or "paper_crease" in thing:
+        return []
+    above = [thing.parent]
+    while above[-1] and not (above[-1].type == "EMPTY" and says_collider(above[-1])):
+        above.append(above[-1].parent)
+    return above if above[-1] else []
 
 
 def is_wind(thing):

@@ -25,9 +25,12 @@ def rigs(thing):
 
 
 def relevant(scene):
-    """Every marked object, armatures with marked bones, and those that deform colliders."""
-    deforming = [rig for thing in names.of_role(scene, names.COLLIDER) for rig in rigs(thing)]
-    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing) or thing in deforming]
+    """Every marked object, armatures with marked bones, those that deform colliders, and what is between a collider and the empty that makes
+    it one."""
+    colliders = names.of_role(scene, names.COLLIDER)
+    deforming = [rig for thing in colliders for rig in rigs(thing)]
+    grouping = [above for thing in colliders for above in names.up_to_group(thing)]
+    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing) or thing in deforming or thing in grouping]
 
 
 def has_shapes(scene):

@@ -188,6 +188,10 @@ std::string inspect_job(const BakeSettings& settings, bool json) {
 std::string inspect_scene(const std::filesystem::path& path, const SceneOptions& options,
                           bool json) {
   const Scene scene = read_scene(path, options);
+  BakeSettings settings;
+  settings.scene = path;
+  for (const SceneSheet& sheet : scene.sheets)  // a paper that cannot be baked is an error
+    resolve_paper(settings, sheet);
   return json ? json_lines(scene_json(scene)) + "\n" : scene_text(scene);
 }
 

@@ -9,7 +9,8 @@
 namespace paperbake {
 
 /// What is in a scene file, where each value came from, and what is wrong with it; as text for
-/// people or as JSON. throws Error(ErrorCode::scene) as read_scene does
+/// people or as JSON. throws Error(ErrorCode::scene) as read_scene does, and for a paper that the
+/// scene names and that there is not
 std::string inspect_scene(const std::filesystem::path&, const SceneOptions&, bool json);
 
 /// The same of the scene of a job, with what the job says, and behind it every value that a bake

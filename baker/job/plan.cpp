@@ -205,6 +205,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   name_files(plan);
   warn_of_coarse_mesh(settings, plan);
   warn_of_doubtful_values(plan);
+  warn_of_map_frames(settings, plan);
   warn_of_sheets_inside_colliders(settings, plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);

@@ -5,6 +5,7 @@
 #include "core/geometry/collider_depth.h"
 #include "core/model/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -83,6 +84,28 @@ void warn_of_coarse_mesh(const BakeSettings& settings, BakePlan& plan) {
                   "Leave {} out, or give {} or more.",
                   hybrid ? "begins with" : "has", triangles,
                   capped ? "--triangles" : "--base-triangles", 2 * fewest));
+}
+
+void warn_of_map_frames(const BakeSettings& settings, BakePlan& plan) {
+  if (!settings.map_frames) return;
+  for (const FrameSpan& span : *settings.map_frames) {
+    bool any = false;
+    for (int frame = std::max(span.first, plan.frames.first);
+         frame <= std::min(span.last, plan.frames.last); ++frame)
+      any |= span.contains(frame) && plan.frames.contains(frame);
+    if (any && span.last <= plan.frames.last) continue;
+    std::string missing =
+        fmt::format("frames {}-{}, of which none is baked", span.first, span.last);
+    if (span.first == span.last)
+      missing = fmt::format("frame {}, which is not baked", span.first);
+    else if (any)
+      missing = fmt::format("frames {}-{}, of which those after {} are not baked", span.first,
+                            span.last, plan.frames.last);
+    plan.warnings.push_back(
+        fmt::format("--map-frames asks for {}: the bake has the frames {}-{}{}.", missing,
+                    plan.frames.first, plan.frames.last,
+                    plan.frames.step > 1 ? fmt::format(" in steps of {}", plan.frames.step) : ""));
+  }
 }
 
 void warn_of_doubtful_values(BakePlan& plan) {

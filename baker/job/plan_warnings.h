@@ -19,6 +19,9 @@ void warn_of_sheets_inside_colliders(const BakeSettings&, BakePlan&);
 /// Warns of a mesh that is too coarse to bend.
 void warn_of_coarse_mesh(const BakeSettings&, BakePlan&);
 
+/// Warns of frames of --map-frames that are not baked.
+void warn_of_map_frames(const BakeSettings&, BakePlan&);
+
 /// Warns of values that are likely to be meant in another unit, and of releases that come too late.
 void warn_of_doubtful_values(BakePlan&);
 

@@ -3,6 +3,7 @@
 #include "core/model/error.h"
 #include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
+#include "formats/scene/scene_properties.h"
 
 #include <charconv>
 #include <cmath>
@@ -37,6 +38,19 @@ std::string nearest_grade(double grammage) {
     }
   }
   return best;
+}
+
+/// throws Error when the weight or thickness of a sheet makes a paper that there is not
+/// asked_by  the place in the scene
+void check_scaled(const Paper& paper, Origin scaled, const std::string& asked_by) {
+  for (const PaperParameter& parameter : paper_parameters)
+    if (const double value = parameter.get(paper); !parameter.accepts(value))
+      throw Error(scaled == Origin::job ? ErrorCode::command : ErrorCode::scene, asked_by,
+                  "Weight and thickness of the sheet make a paper that there is not. " +
+                      out_of_bounds(parameter, value),
+                  fmt::format("They scale the grade \"{}\": give a weight and thickness that go "
+                              "together, or another grade.",
+                              paper.name));
 }
 
 void scale_thickness(Paper& paper, double ratio) {
@@ -113,7 +127,7 @@ SetValue parse_set(const std::string& text) {
                   "Write for instance --set thickness=90e-6.");
     if (!parameter.accepts(std::stod(*value)))
       throw Error(ErrorCode::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
-                  unit_remedy(parameter));
+                  unit_remedy(parameter, std::stod(*value)));
     return {name, std::stod(*value), Origin::command};
   }
   throw Error(ErrorCode::command, "--set " + name,
@@ -129,6 +143,7 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   const auto counts = [&](const char* key) {
     return !settings.preset || (named == Origin::job && of_sheet(key) == Origin::job);
   };
+  const std::string place = place_of(settings.scene.filename().string(), "sheet", sheet.name);
   std::string grade = settings.preset.value_or("copy70");
   Origin origin = named, scaled = Origin::preset;
   if (counts("preset") && sheet.preset) {
@@ -141,7 +156,7 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
 
   ResolvedPaper resolved;
   Paper& paper = resolved.paper;
-  paper = read_preset(grade).paper;
+  paper = read_preset(grade, origin == Origin::scene ? place + ", paper_preset" : "").paper;
   if (counts("gsm") && sheet.grammage) {
     const double ratio = 1e-3 * *sheet.grammage / paper.area_density;
     if (std::abs(ratio - 1) > 1e-9) scaled = of_sheet("gsm");
@@ -168,6 +183,7 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
     resolved.used.push_back(
         {prefix + parameter.key, toml_number(parameter.get(paper)), to_string(who)});
   }
+  if (scaled != Origin::preset) check_scaled(paper, scaled, place);
   return resolved;
 }
 

@@ -131,7 +131,8 @@ struct ResolvedPaper {
 /// replaces all that those before it say of the paper; in a job the preset of a [sheet] counts for
 /// more than that for all, and [paper] for more than both. A sheet's gsm scales the nearest grade:
 /// thickness and E h with the grammage, D with its cube; its thickness then sets the thickness, E
-/// unchanged. throws Error(ErrorCode::command): unknown preset
+/// unchanged. throws Error(ErrorCode::command): unknown preset; Error(ErrorCode::scene): one that
+/// the scene names, or a weight and thickness of the scene that scale a value beyond its range
 ResolvedPaper resolve_paper(const BakeSettings&, const SceneSheet&);
 
 }  // namespace paperbake

@@ -185,9 +185,10 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
 }  // namespace
 
 const std::vector<JobKey>& sheet_keys() {
+  static const PaperParameter &gsm = grammage_parameter, &thickness = paper_parameter("thickness");
   static const std::vector<JobKey> keys{{"preset", JobKey::text},
-                                        {"gsm", JobKey::number, 1, 10000},
-                                        {"thickness", JobKey::number, 5e-6, 5e-3},
+                                        {"gsm", JobKey::number, gsm.min, gsm.max},
+                                        {"thickness", JobKey::number, thickness.min, thickness.max},
                                         {"friction", JobKey::number, 0, max_friction},
                                         {"seed", JobKey::whole, 0, whole_limit}};
   return keys;

@@ -23,12 +23,18 @@ struct BuiltInPreset {
 extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
+namespace {
+
+constexpr double lightest = 1e-3, heaviest = 10;  // [kg/m2]
+
+}  // namespace
+
 const std::array<PaperParameter, 11> paper_parameters{{
     {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
     {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
     {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
     {"poisson", &Paper::poisson, "1", 0, 0.49},
-    {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
+    {"area_density", &Paper::area_density, "kg/m2", lightest, heaviest},
     {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
     {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
     {"hardening", &Paper::hardening, "1", 0, 0.9},
@@ -36,6 +42,9 @@ const std::array<PaperParameter, 11> paper_parameters{{
     {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
     {"friction", &Paper::friction, "1", 0, max_friction, false},
 }};
+
+const PaperParameter grammage_parameter{
+    "grammage", &Paper::area_density, "g/m2", 1e3 * lightest, 1e3 * heaviest, false, 1e-3};
 
 namespace {
 
@@ -72,7 +81,8 @@ double read_value(const TomlDocument& document, const toml::table& table,
          fmt::format("The value of {} must be a number.", parameter.key));
   const double value = *node.value<double>();
   if (!parameter.accepts(value))
-    fail(document, node.source().begin, out_of_bounds(parameter, value), unit_remedy(parameter));
+    fail(document, node.source().begin, out_of_bounds(parameter, value),
+         unit_remedy(parameter, value));
   return value;
 }
 
@@ -134,15 +144,22 @@ Preset parse_preset(const std::string& file, const std::string& text) {
 
 }  // namespace
 
+const PaperParameter& paper_parameter(std::string_view key) {
+  return *std::find_if(paper_parameters.begin(), paper_parameters.end(),
+                       [&](const PaperParameter& parameter) { return parameter.key == key; });
+}
+
 std::string out_of_bounds(const PaperParameter& parameter, double value) {
-  return fmt::format("The {} cannot be {}: paper lies between {} and {}{}.", parameter.key, value,
+  return fmt::format("The {} cannot be {:g}: paper lies between {} and {}{}.", parameter.key, value,
                      parameter.min, parameter.max,
                      has_unit(parameter) ? fmt::format(" [{}]", parameter.unit) : "");
 }
 
-std::string unit_remedy(const PaperParameter& parameter) {
-  return has_unit(parameter) ? fmt::format("Give the value in {}.", parameter.unit)
-                             : "Give a number within these bounds; it has no unit.";
+std::string unit_remedy(const PaperParameter& parameter, double value) {
+  if (!has_unit(parameter)) return "Give a number within these bounds; it has no unit.";
+  if (parameter.unit == std::string_view("m") && parameter.accepts(1e-3 * value))
+    return fmt::format("Give the value in m: {:g} mm is {:g} m.", value, 1e-3 * value);
+  return fmt::format("Give the value in {}.", parameter.unit);
 }
 
 std::string preset_text(const Preset& preset) {
@@ -176,7 +193,7 @@ std::vector<std::string> user_preset_names() {
   return names;
 }
 
-Preset read_preset(const std::string& name_or_file) {
+Preset read_preset(const std::string& name_or_file, const std::string& asked_by) {
   if (is_file(name_or_file))
     return parse_preset(name_or_file, read_toml_text(name_or_file, "preset"));
   const std::vector<std::string> user_names = user_preset_names();
@@ -188,14 +205,17 @@ Preset read_preset(const std::string& name_or_file) {
     if (name_or_file == built_in_presets[i].name)
       return parse_preset(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
 
+  const ErrorCode code = asked_by.empty() ? ErrorCode::command : ErrorCode::scene;
   if (name_or_file.find('/') != std::string::npos ||
       std::filesystem::path(name_or_file).extension() == ".toml")
-    throw Error(ErrorCode::command, name_or_file, "There is no such preset file.",
+    throw Error(code, asked_by.empty() ? name_or_file : asked_by,
+                asked_by.empty() ? "There is no such preset file."
+                                 : fmt::format("There is no preset file \"{}\".", name_or_file),
                 "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
   names.insert(names.end(), user_names.begin(), user_names.end());
   throw Error(
-      ErrorCode::command, fmt::format("preset \"{}\"", name_or_file),
+      code, asked_by.empty() ? fmt::format("preset \"{}\"", name_or_file) : asked_by,
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
       fmt::format("Papers: {}; or give the path of a preset file.", fmt::join(names, ", ")));
 }

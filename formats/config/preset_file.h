@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace paperbake {
@@ -25,10 +26,15 @@ struct PaperParameter {
   void set(Paper& paper, double value) const { paper.*field = value * to_si; }
 };
 extern const std::array<PaperParameter, 11> paper_parameters;
+/// The one of them with this key, which there must be.
+const PaperParameter& paper_parameter(std::string_view key);
+/// The area density in g/m2, as jobs and scenes give it; in the same range.
+extern const PaperParameter grammage_parameter;
 /// The error message for a value that is not accepted.
 std::string out_of_bounds(const PaperParameter&, double value);
-/// The remedy for a value out of bounds: names the unit, if the parameter has one.
-std::string unit_remedy(const PaperParameter&);
+/// The remedy for a value out of bounds: names the unit, if the parameter has one, and converts a
+/// length that would be right in millimetres.
+std::string unit_remedy(const PaperParameter&, double value);
 
 /// A paper grade with the evidence for its numbers. A preset file is TOML: `name`, optionally
 /// `description` and `by_grammage` (false: a scene that gives only its weight does not get this
@@ -58,7 +64,9 @@ struct Preset {
 /// compiled into the program). throws Error(ErrorCode::command): unknown grade (with the nearest
 /// name); or, at file:line:column, a syntax error, an unknown or missing key, a wrong type, a
 /// wrong unit, a value out of range
-Preset read_preset(const std::string& name_or_file);
+/// asked_by  the place in a scene that names the grade: an unknown one is then an error of the
+///           scene there, Error(ErrorCode::scene)
+Preset read_preset(const std::string& name_or_file, const std::string& asked_by = "");
 /// A preset file with the same content, without the comments of the original.
 std::string preset_text(const Preset&);
 std::vector<std::string> preset_names();  // of the built-in ones, sorted

@@ -217,8 +217,9 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
 }
 
 FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& world,
-                     const std::string& place) {
-  const WeldedMesh all = combined_mesh(file, node, world);
+                     const Points3& x, const std::string& place) {
+  WeldedMesh all = combined_mesh(file, node, world);
+  all.x = x;
   if (all.triangles.rows() == 0)
     throw Error(ErrorCode::scene, place, "The mesh has no faces.",
                 "Export the sheet as a mesh with faces.");
@@ -241,6 +242,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
   sheet.start.x = mesh.x;
   sheet.start.v = Points3::Zero(mesh.x.rows(), 3);
   sheet.start.triangles = mesh.triangles;
+  sheet.kept = std::move(mesh.kept);
   sheet.from_uv = from_uv;
   sheet.authored = authored_on(file, node, all);  // welding keeps the triangles and their order
   sheet.authored.pattern = sheet.start.pattern;

@@ -1,5 +1,6 @@
 #include "formats/scene/scene_colliders.h"
 
+#include "core/model/error.h"
 #include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/welded_mesh.h"
@@ -7,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -30,31 +33,96 @@ Points3 rounded(const Points3& x) {
   return (x.array() * unit).round() / unit;
 }
 
-/// A sentence on what of a collider is not followed; empty: all is.
-std::string not_followed(const SceneNodes& scene, const ImportedNode& node) {
-  for (const int m : node.meshes)
-    if (const std::string& what = scene.file.meshes[m].not_followed; !what.empty())
-      return fmt::format("{} of the collider \"{}\" is not followed.", what, node.name);
-  return "";
-}
-
 using PaperSide = ColliderMesh::PaperSide;
 
-/// What the property paper_collider says of the side of the paper.
-PaperSide paper_side_of(const ImportedNode& node) {
-  const std::string said = text_property(node, "paper_collider").value_or("");
-  return said == "inside"    ? PaperSide::inside
-         : said == "outside" ? PaperSide::outside
-                             : PaperSide::automatic;
+/// What the property paper_collider of a node says.
+struct Said {
+  bool collider = false;
+  PaperSide side = PaperSide::automatic;
+};
+
+/// Nothing without that property.
+std::optional<Said> said_of(const SceneNodes& scene, const ImportedNode& node) {
+  const auto text = text_property(node, "paper_collider");
+  if (!text) return std::nullopt;
+  const std::string word = matched_name(*text);
+  if (word == "inside") return Said{true, PaperSide::inside};
+  if (word == "outside") return Said{true, PaperSide::outside};
+  if (const auto yes = yes_or_no(node, "paper_collider")) return Said{*yes};
+  throw Error(ErrorCode::scene, place_of(scene.source, "collider", node.name),
+              fmt::format("paper_collider is \"{}\".", *text),
+              "It must be true or false, or inside or outside, which says where the paper stays.");
+}
+
+/// Whether a node itself says that it is a collider, or that those below it are.
+bool says_collider(const SceneNodes& scene, const ImportedNode& node) {
+  return !node.pivot && !name_begins_with(node.name, "paper") &&
+         (name_begins_with(node.name, "collider") ||
+          said_of(scene, node).value_or(Said{}).collider);
+}
+
+/// The nearest empty above a node that says that those below it are colliders; -1: there is none.
+int group_above(const SceneNodes& scene, int node) {
+  const auto& nodes = scene.file.nodes;
+  for (int above = nodes[node].parent; above >= 0; above = nodes[above].parent)
+    if (nodes[above].meshes.empty() && says_collider(scene, nodes[above])) return above;
+  return -1;
+}
+
+/// Whether a mesh in a group of colliders is something else.
+bool is_no_part_of_group(const SceneNodes& scene, const ImportedNode& node) {
+  return name_begins_with(node.name, "handle") || name_begins_with(node.name, "crease") ||
+         node.properties.count("paper_point") > 0 || node.properties.count("paper_crease") > 0 ||
+         said_of(scene, node).has_value();
+}
+
+/// The node that makes a node a collider: itself, or an empty above it; -1: it is none.
+int made_collider_by(const SceneNodes& scene, int node) {
+  const ImportedNode& mesh = scene.file.nodes[node];
+  if (mesh.meshes.empty() || name_begins_with(mesh.name, "paper")) return -1;
+  if (says_collider(scene, mesh)) return node;
+  return is_no_part_of_group(scene, mesh) ? -1 : group_above(scene, node);
+}
+
+/// A collider as it is in the first frame.
+/// group  the node that makes it one: what it does not say itself, this one says
+/// returns  with WeldedMesh::kept
+std::pair<std::vector<int>, ColliderMesh> collider_at(const SceneNodes& scene, int node,
+                                                      const ImportedNode& group,
+                                                      const std::vector<Eigen::Affine3d>& first) {
+  const ImportedNode& own = scene.file.nodes[node];
+  WeldedMesh mesh = welded_mesh(scene.file, node, first[node],
+                                vertices_at(scene, node, first, scene.first_frame));
+  ColliderMesh collider{own.name, mesh.x, with_area(mesh), {}};
+  for (const ImportedNode* of : {&group, &own}) {
+    collider.friction =
+        nonnegative_property(scene.source, *of, "paper_friction").value_or(collider.friction);
+    if (const auto said = said_of(scene, *of)) collider.paper_side = said->side;
+  }
+  return {std::move(mesh.kept), std::move(collider)};
+}
+
+/// Warns of nodes that say that they are colliders, and are none.
+/// makes  nodes that have made a mesh a collider
+void warn_of_no_colliders(const SceneNodes& scene, const std::set<int>& makes,
+                          std::vector<std::string>& warnings) {
+  const auto& nodes = scene.file.nodes;
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    if (name_begins_with(nodes[i].name, "paper") && !nodes[i].meshes.empty() &&
+        said_of(scene, nodes[i]).value_or(Said{}).collider)
+      warnings.push_back(fmt::format(
+          "\"{}\" is a sheet because of its name: its property paper_collider has no effect.",
+          nodes[i].name));
+    if (nodes[i].meshes.empty() && says_collider(scene, nodes[i]) && !makes.count(i) &&
+        group_above(scene, i) < 0)
+      warnings.push_back(fmt::format(
+          "The collider \"{}\" has no mesh, and none is below it: it is ignored.", nodes[i].name));
+  }
 }
 
 }  // namespace
 
-bool is_collider(const ImportedNode& node) {
-  return !node.meshes.empty() && !name_begins_with(node.name, "paper") &&
-         (flag_property(node, "paper_collider") || paper_side_of(node) != PaperSide::automatic ||
-          name_begins_with(node.name, "collider"));
-}
+bool is_collider(const SceneNodes& scene, int node) { return made_collider_by(scene, node) >= 0; }
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
                                          std::vector<std::string>& warnings) {
@@ -63,31 +131,31 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
   std::vector<int> found;
   std::vector<std::vector<int>> kept;  // of each collider: WeldedMesh::kept
   std::vector<ColliderMesh> colliders;
+  std::set<int> makes;
   const auto first = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
-    if (!is_collider(nodes[i])) continue;
-    WeldedMesh mesh =
-        welded_mesh(scene.file, i, first[i], vertices_at(scene, i, first, scene.first_frame));
-    ColliderMesh collider{nodes[i].name, mesh.x, with_area(mesh), {}};
-    collider.friction =
-        nonnegative_property(scene.source, nodes[i], "paper_friction").value_or(collider.friction);
+    const int by = made_collider_by(scene, i);
+    if (by < 0) continue;
+    for (int above = by; above >= 0; above = nodes[above].parent) makes.insert(above);
+    auto [mesh_kept, collider] = collider_at(scene, i, nodes[by], first);
     if (collider.triangles.rows() == 0) {
       warnings.push_back(
           fmt::format("The collider \"{}\" has no faces: it is ignored.", collider.name));
       continue;
     }
-    collider.paper_side = paper_side_of(nodes[i]);
     if (collider.paper_side == PaperSide::inside && !Collider(collider).closed())
       warnings.push_back(fmt::format(
           "The collider \"{}\" is open, and the paper cannot stay inside it: it stays on the side "
           "where it begins. Close the mesh to hold the paper inside.",
           collider.name));
-    if (std::string sentence = not_followed(scene, nodes[i]); !sentence.empty())
-      warnings.push_back(std::move(sentence));
+    if (const std::string what = not_followed(scene.file, nodes[i]); !what.empty())
+      warnings.push_back(
+          fmt::format("{} of the collider \"{}\" is not followed.", what, collider.name));
     found.push_back(i);
-    kept.push_back(std::move(mesh.kept));
+    kept.push_back(std::move(mesh_kept));
     colliders.push_back(std::move(collider));
   }
+  warn_of_no_colliders(scene, makes, warnings);
   for (int frame = scene.first_frame; frame <= scene.last_frame && !found.empty(); ++frame) {
     const auto world = world_at(scene, frame);
     for (std::size_t c = 0; c < found.size(); ++c)

@@ -5,6 +5,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_colliders.h"
+#include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/sheet_point.h"
 
@@ -31,16 +32,35 @@ struct EdgeGraph {
   std::set<std::pair<int, int>> edges;
 };
 
-EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
-                     const Eigen::Affine3d& world, const std::string& place) {
-  std::size_t count = 0;
+/// The vertices of all meshes of a node at the first frame, one mesh after the other. |V|x3 [m]
+/// world  of every node at the first frame
+Points3 vertices_of(const SceneNodes& scene, int node, const std::vector<Eigen::Affine3d>& world,
+                    bool deformed) {
+  if (deformed) return vertices_at(scene, node, world, scene.first_frame);
+  std::vector<Vector3d> x;
+  for (const int m : scene.file.nodes[node].meshes)
+    for (Eigen::Index i = 0; i < scene.file.meshes[m].x.rows(); ++i)
+      x.push_back(world[node] * Vector3d(scene.file.meshes[m].x.row(i)));
+  return Eigen::Map<const Points3>(x.empty() ? nullptr : x.front().data(),
+                                   static_cast<Eigen::Index>(x.size()), 3);
+}
+
+/// x  |V|x3 [m] the vertices of all meshes of the node
+EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node, const Points3& x,
+                     const std::string& place) {
+  std::vector<std::pair<int, int>> marked;  // rows of x
   Eigen::AlignedBox3d box;
+  int before = 0;  // vertices of the meshes before
   for (const int m : node.meshes) {
     const ImportedMesh& mesh = file.meshes[m];
-    count += mesh.creases.rows();
-    for (int i = 0; i < mesh.creases.size(); ++i)
-      box.extend(world * Vector3d(mesh.x.row(mesh.creases.data()[i])));
+    for (int e = 0; e < mesh.creases.rows(); ++e) {
+      marked.emplace_back(before + mesh.creases(e, 0), before + mesh.creases(e, 1));
+      box.extend(Vector3d(x.row(marked.back().first)));
+      box.extend(Vector3d(x.row(marked.back().second)));
+    }
+    before += static_cast<int>(mesh.x.rows());
   }
+  const std::size_t count = marked.size();
   if (count > max_edges)
     throw Error(ErrorCode::scene, place,
                 fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
@@ -53,13 +73,9 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
     graph.x.push_back(p);
     return static_cast<int>(graph.x.size()) - 1;
   };
-  for (const int m : node.meshes) {
-    const ImportedMesh& mesh = file.meshes[m];
-    for (int e = 0; e < mesh.creases.rows(); ++e) {
-      const int a = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 0)))),
-                b = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 1))));
-      if (a != b) graph.edges.insert(std::minmax(a, b));
-    }
+  for (const auto& [from, to] : marked) {
+    const int a = vertex_at(Vector3d(x.row(from))), b = vertex_at(Vector3d(x.row(to)));
+    if (a != b) graph.edges.insert(std::minmax(a, b));
   }
   return graph;
 }
@@ -199,13 +215,14 @@ double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, dou
 }
 
 /// Adds the creases that a node defines to a sheet; returns their number.
+/// x       |V|x3 [m] its vertices
 /// kind    of the node, for error messages: "sheet" or "crease"
 /// origin  for SceneSheet::crease_origin
-std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+std::size_t add_creases_of(const SceneNodes& scene, int node, const Points3& x,
                            const std::string& kind, const std::string& origin, SceneSheet& sheet) {
   const ImportedNode& n = scene.file.nodes[node];
   const std::string place = place_of(scene.source, kind, n.name);
-  EdgeGraph graph = edge_graph(scene.file, n, world, place);
+  EdgeGraph graph = edge_graph(scene.file, n, x, place);
   const std::optional<double> angle = rest_angle(scene, n, place);
   const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
   for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
@@ -234,13 +251,14 @@ bool has_edges(const ImportedFile& file, const ImportedNode& node) {
                      [&](int m) { return file.meshes[m].creases.rows() > 0; });
 }
 
-std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+/// x  |V|x3 [m] the vertices of the node
+std::size_t sheet_under(const SceneNodes& scene, int node, const Points3& x,
                         const std::vector<SceneSheet>& sheets) {
   const ImportedNode& n = scene.file.nodes[node];
   const std::string place = place_of(scene.source, "crease", n.name);
   if (const auto target = target_sheet(scene, sheets, node, place)) return *target;
   std::vector<double> off(sheets.size(), 0);
-  for (const Vector3d& p : edge_graph(scene.file, n, world, place).x)
+  for (const Vector3d& p : edge_graph(scene.file, n, x, place).x)
     for (std::size_t s = 0; s < sheets.size(); ++s)
       off[s] = std::max(off[s], nearest_point(sheets[s].start, p).distance);
   return std::min_element(off.begin(), off.end()) - off.begin();
@@ -294,13 +312,14 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
     if (sheet != sheets.end()) {
       const std::size_t added =
           has_edges(scene.file, node)
-              ? add_creases_of(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
+              ? add_creases_of(scene, i, vertices_of(scene, i, world, sheet->deformed), "sheet",
+                               "edges marked in the mesh", *sheet)
               : 0;
       if (has_angle && added == 0)
         warnings.push_back(fmt::format(
             "The sheet \"{}\" has paper_crease, but no edge within it is marked as a crease.",
             node.name));
-    } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
+    } else if (!is_collider(scene, i) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
         if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "mesh");
         warnings.push_back(
@@ -309,9 +328,9 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
                         node.name));
         continue;
       }
-      SceneSheet& under = sheets[sheet_under(scene, i, world[i], sheets)];
-      if (add_creases_of(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) ==
-          0)
+      const Points3 x = vertices_of(scene, i, world, is_deformed(scene.file, node));
+      SceneSheet& under = sheets[sheet_under(scene, i, x, sheets)];
+      if (add_creases_of(scene, i, x, "crease", fmt::format("\"{}\"", node.name), under) == 0)
         warnings.push_back(fmt::format(
             "The crease \"{}\" lies along the border of the sheet \"{}\": it has no effect.",
             node.name, under.name));

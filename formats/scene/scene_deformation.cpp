@@ -1,5 +1,7 @@
 #include "formats/scene/scene_deformation.h"
 
+#include <algorithm>
+
 namespace paperbake {
 namespace {
 
@@ -40,6 +42,17 @@ Points3 skinned(const Skin& skin, const Points3& x, const std::vector<Eigen::Aff
 }
 
 }  // namespace
+
+bool is_deformed(const ImportedFile& file, const ImportedNode& node) {
+  return std::any_of(node.meshes.begin(), node.meshes.end(),
+                     [&](int m) { return file.meshes[m].deformed; });
+}
+
+std::string not_followed(const ImportedFile& file, const ImportedNode& node) {
+  for (const int m : node.meshes)
+    if (!file.meshes[m].not_followed.empty()) return file.meshes[m].not_followed;
+  return "";
+}
 
 Points3 vertices_at(const SceneNodes& scene, int node, const std::vector<Eigen::Affine3d>& world,
                     int frame) {

@@ -15,15 +15,16 @@
 namespace paperbake {
 namespace {
 
-/// The number that is given to any object for the whole scene.
-std::optional<double> number_of_scene(const SceneNodes& scene, const std::string& what,
-                                      std::map<std::string, std::string>& origin) {
-  for (const ImportedNode& node : scene.file.nodes)
-    if (const auto number = number_property(scene.source, node, "paper_" + what)) {
-      origin[what] = fmt::format("paper_{} of \"{}\"", what, node.name);
-      return number;
-    }
-  return std::nullopt;
+/// The number that an object gives for the whole scene, without paper_ in front of its name.
+std::optional<double> given_number(const SceneNodes& scene, const std::string& what,
+                                   std::map<std::string, std::string>& origin) {
+  const std::string key = "paper_" + what;
+  const auto number = number_of_scene(
+      scene.source, scene.file.nodes, key,
+      [&](const ImportedNode& node) { return number_property(scene.source, node, key); });
+  if (!number) return std::nullopt;
+  origin[what] = fmt::format("{} of \"{}\"", key, number->node);
+  return number->value;
 }
 
 }  // namespace
@@ -40,14 +41,16 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   scene.warnings = nodes.warnings;
   for (std::string& warning : unknown_properties(nodes.file.nodes))
     scene.warnings.push_back(std::move(warning));
+  for (std::string& warning : ignored_instances(nodes.file.nodes))
+    scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, overrides, scene.warnings);
   warn_of_keyed_sheets(nodes, scene.warnings);
   add_creases(nodes, scene.sheets, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
   for (SceneSheet& sheet : scene.sheets) snap_creases_to_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);
-  scene.gravity = number_of_scene(nodes, "gravity", scene.origin);
-  scene.air = number_of_scene(nodes, "air", scene.origin);
+  scene.gravity = given_number(nodes, "gravity", scene.origin);
+  scene.air = given_number(nodes, "air", scene.origin);
   if (scene.air && *scene.air < 0)
     throw Error(ErrorCode::scene, scene.source, fmt::format("paper_air is {}.", *scene.air),
                 "It is the density of the air in kg/m3: 1.2, or 0 for none.");

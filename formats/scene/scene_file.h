@@ -36,6 +36,8 @@ struct SceneSheet {
   Pattern pattern;   // outline and holes of the imported mesh, and the prescribed creases
   // the imported mesh, welded, at the first frame: pattern, x, triangles
   Sheet start;
+  // whether `start` is as bones and blend shapes put the mesh
+  bool deformed = false;
   AuthoredSurface authored;     // uv sets and materials of the imported mesh
   std::vector<Handle> handles;  // in order of the file
   // names of the handles that are released because their keyed scale falls below half

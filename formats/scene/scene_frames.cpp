@@ -207,9 +207,10 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
                 "Give a positive number to --fps.");
   if (options.fps) return set(*options.fps, "command line");
   if (scene.file.fps > 0) return set(scene.file.fps, "file");
-  for (const ImportedNode& node : scene.file.nodes)
-    if (const auto fps = positive_property(scene.source, node, "paper_fps"))
-      return set(*fps, fmt::format("paper_fps of \"{}\"", node.name));
+  if (const auto fps = number_of_scene(
+          scene.source, scene.file.nodes, "paper_fps",
+          [&](const auto& node) { return positive_property(scene.source, node, "paper_fps"); }))
+    return set(fps->value, fmt::format("paper_fps of \"{}\"", fps->node));
   set(24, "default");
   scene.warnings.push_back(
       "The file does not say its frame rate: 24 frames per second are assumed; "

@@ -8,7 +8,8 @@ namespace paperbake {
 
 /// Decides the frame rate of a scene: that of the options, else of the file, else a property
 /// paper_fps, else 24 with a warning.
-/// throws  Error(ErrorCode::scene) for options that are no frame rate
+/// throws  Error(ErrorCode::scene) for options that are no frame rate, and where two objects
+///         contradict each other in paper_fps
 void set_fps(SceneNodes&, const SceneOptions&);
 
 /// Converts the times of the keys from seconds to frames and sets the ranges of the scene:

@@ -18,9 +18,13 @@
 namespace paperbake {
 namespace {
 
-/// Whether a node moves sheets without handles.
-bool moves_sheets(const ImportedNode& node) {
-  return is_collider(node) || is_wind(node) || node.properties.count("paper_gravity") > 0;
+/// Whether something moves sheets without handles.
+bool sheets_move_alone(const SceneNodes& scene) {
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i)
+    if (const ImportedNode& node = scene.file.nodes[i];
+        is_collider(scene, i) || is_wind(node) || node.properties.count("paper_gravity") > 0)
+      return true;
+  return false;
 }
 
 constexpr double on_border = 1e-5;  // of the longer side
@@ -61,12 +65,28 @@ int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children)
       "tail.");
 }
 
+/// What handles there are, if all are ignored.
+Error no_handle(const SceneNodes& scene, const std::vector<std::string>& ignored) {
+  if (!ignored.empty())
+    return Error(
+        ErrorCode::scene, scene.source,
+        fmt::format("All handles of the scene are ignored: \"{}\"{}.", ignored.front(),
+                    ignored.size() > 1 ? fmt::format(" and {} more", ignored.size() - 1) : ""),
+        "Take paper_ignore, or ignore in a job file, from those that shall hold the sheet.");
+  return Error(ErrorCode::scene, scene.source,
+               "The scene has no handle: no node's name starts with \"handle\".",
+               "Put an empty or a locator named handle... on the sheet at the first frame, and "
+               "animate it. A sheet that falls or is blown needs none: give any object the "
+               "property paper_gravity, or name an empty wind.");
+}
+
 std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   const auto& nodes = scene.file.nodes;
   const auto children = children_of(nodes);
   std::vector<HandleNode> found;
   std::set<int> leaves;  // leaf nodes of bones that are handles: they are not handles themselves
   std::set<std::string> names;
+  std::vector<std::string> ignored;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const auto point = text_property(nodes[i], "paper_point");
     if (nodes[i].pivot ||
@@ -80,19 +100,16 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
     if (side != "head" && side != "tail")
       throw Error(ErrorCode::scene, place, fmt::format("paper_point is \"{}\".", *point),
                   "It must be head or tail.");
-    if (!flag_property(nodes[i], "paper_ignore"))
+    if (flag_property(nodes[i], "paper_ignore"))
+      ignored.push_back(nodes[i].name);
+    else
       found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
     for (int child : children[i])
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name))
         leaves.insert(child);
   }
   // without handles the sheet may still fall, or be blown away
-  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), moves_sheets))
-    throw Error(ErrorCode::scene, scene.source,
-                "The scene has no handle: no node's name starts with \"handle\".",
-                "Put an empty or a locator named handle... on the sheet at the first frame, and "
-                "animate it. A sheet that falls or is blown needs none: give any object the "
-                "property paper_gravity, or name an empty wind.");
+  if (found.empty() && !sheets_move_alone(scene)) throw no_handle(scene, ignored);
   return found;
 }
 
@@ -211,6 +228,12 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
         fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it pulls the "
                     "nearest sheet point.",
                     handle.name, 1000 * distance, scene.first_frame));
+  if (const double diagonal = extent(sheet.pattern).norm();
+      handle.radius && *handle.radius > diagonal)
+    warnings.push_back(
+        fmt::format("The handle \"{}\" holds all of the sheet \"{}\" stiff: its paper_radius is "
+                    "{:.3g} m, and the sheet is {:.3g} m across. It is in metres: is that meant?",
+                    handle.name, sheet.name, *handle.radius, diagonal));
   if (handle.release_frame <= handle.grab_frame)
     warnings.push_back(
         fmt::format("The handle \"{}\" never holds: it is released at frame {} and grabbed at {}.",
@@ -245,10 +268,7 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
   const auto lets_go = [](const Handle& handle) {
     return handle.release_frame < std::numeric_limits<int>::max();
   };
-  const auto& nodes = scene.file.nodes;
-  if (std::any_of(handles.begin(), handles.end(), lets_go) ||
-      std::any_of(nodes.begin(), nodes.end(), moves_sheets))
-    return;
+  if (std::any_of(handles.begin(), handles.end(), lets_go) || sheets_move_alone(scene)) return;
   warnings.push_back(scene.file.takes.empty()
                          ? "No handle moves: the file has no animation."
                          : "No handle moves: no animation of the file belongs to one.");

@@ -48,6 +48,20 @@ std::optional<double> as_number(const PropertyValue& value) {
                                                                   : std::nullopt;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+/// Whether a name begins as those of nodes that are read do.
+bool has_role(std::string_view name) {
+  const std::string lower = lower_case(name);
+  for (const char* role : {"paper", "handle", "collider", "crease", "wind"})
+    if (lower.rfind(role, 0) == 0) return true;
+  return false;
+}
+
 [[noreturn]] void reject(const std::string& source, const ImportedNode& node,
                          const std::string& key, const char* wanted) {
   throw Error(ErrorCode::scene, place_of(source, "node", node.name),
@@ -75,13 +89,15 @@ PropertyValue text_or_list(const std::string& text) {
 }
 
 std::string matched_name(std::string_view raw) {
-  raw.remove_prefix(raw.rfind(':') + 1);  // npos + 1 = 0
+  if (const std::string_view behind = raw.substr(raw.rfind(':') + 1);  // npos + 1 = 0
+      has_role(behind) || !has_role(raw))
+    raw = behind;
   const auto digit = [](char c) { return '0' <= c && c <= '9'; };
   if (raw.size() > 4 && raw[raw.size() - 4] == '.' && std::all_of(raw.end() - 3, raw.end(), digit))
     raw.remove_suffix(4);
-  std::string name(raw);
+  std::string name = lower_case(raw);
   for (char& c : name)
-    c = c == '_' || c == '-' ? '.' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (c == '_' || c == '-') c = '.';
   return name;
 }
 
@@ -91,6 +107,23 @@ bool name_begins_with(std::string_view raw, std::string_view prefix) {
 
 bool is_tail_leaf(const std::string& name, const std::string& bone) {
   return name == bone + "_end" || name == bone + "_leaf";
+}
+
+std::string instanced_name(std::string_view name) {
+  const std::size_t mark = name.rfind("|Dupli|");
+  if (mark == std::string::npos) return "";
+  name = name.substr(0, mark);
+  return std::string(name.substr(name.rfind('|') + 1));  // npos + 1 = 0
+}
+
+std::vector<std::string> ignored_instances(const std::vector<ImportedNode>& nodes) {
+  std::vector<std::string> warnings;
+  for (const ImportedNode& node : nodes)
+    if (!node.pivot && has_role(matched_name(instanced_name(node.name))) &&
+        !has_role(matched_name(node.name)))
+      warnings.push_back(fmt::format("\"{}\" is ignored: it is the instance of a collection. {}",
+                                     node.name, realise_instances));
+  return warnings;
 }
 
 std::string place_of(const std::string& source, std::string_view kind, std::string_view name) {
@@ -142,12 +175,38 @@ std::vector<double> list_property(const ImportedNode& node, const std::string& k
   return list ? *list : std::vector<double>();
 }
 
-bool flag_property(const ImportedNode& node, const std::string& key) {
+std::optional<bool> yes_or_no(const ImportedNode& node, const std::string& key) {
   const PropertyValue* value = find(node, key);
-  if (!value) return false;
+  if (!value) return std::nullopt;
   if (const auto number = as_number(*value)) return *number != 0;
   const auto* text = std::get_if<std::string>(value);
-  return text && (*text == "true" || *text == "True" || *text == "yes");
+  const std::string word = text ? matched_name(*text) : "";
+  if (word == "true" || word == "yes") return true;
+  return word == "false" || word == "no" ? std::optional(false) : std::nullopt;
+}
+
+bool flag_property(const ImportedNode& node, const std::string& key) {
+  return yes_or_no(node, key).value_or(false);
+}
+
+std::optional<NumberOfScene> number_of_scene(
+    const std::string& source, const std::vector<ImportedNode>& nodes, const std::string& key,
+    const std::function<std::optional<double>(const ImportedNode&)>& read) {
+  constexpr double same = 1e-5;  // relative: 23.976 and 24000/1001 are one rate
+  std::optional<NumberOfScene> first;
+  for (const ImportedNode& node : nodes) {
+    const auto number = read(node);
+    if (!number) continue;
+    if (!first) first = {*number, node.name};
+    if (std::abs(*number - first->value) <= same * std::abs(first->value)) continue;
+    throw Error(ErrorCode::scene,
+                fmt::format("{}, nodes \"{}\" and \"{}\"", source, first->node, node.name),
+                fmt::format("{} is {:g} on the one and {:g} on the other, and it counts for the "
+                            "whole scene.",
+                            key, first->value, *number),
+                "Give it to one object only, or the same number to both.");
+  }
+  return first;
 }
 
 std::vector<std::string> unknown_properties(const std::vector<ImportedNode>& nodes) {

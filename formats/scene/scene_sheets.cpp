@@ -2,9 +2,14 @@
 
 #include "core/model/error.h"
 #include "core/model/paper.h"
+#include "formats/config/preset_file.h"
 #include "formats/scene/flat_sheet.h"
+#include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
+#include "formats/scene/scene_unroll.h"
 #include "formats/scene/sheet_rules.h"
+#include "formats/scene/sheet_size.h"
+#include "formats/scene/welded_mesh.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,65 +22,6 @@
 
 namespace paperbake {
 namespace {
-
-// [m] limits of the longer side, beyond which the unit of the file must be wrong
-constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
-constexpr double size_agreement = 0.01;  // relative tolerance of paper_size
-
-/// The size in paper_size, with the two sides exchanged where that fits the measured size better;
-/// nothing without that property.
-std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
-  const auto list = list_property(node, "paper_size");
-  if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
-  const Vector2d stated(list[0], list[1]), turned(list[1], list[0]);
-  const auto off = [&](const Vector2d& size) {
-    return (measured.cwiseQuotient(size).array().log()).matrix().squaredNorm();
-  };
-  return off(turned) < off(stated) ? turned : stated;
-}
-
-/// The power of ten by which the sheet should be scaled: to the size in paper_size, else to a
-/// plausible one.
-double likely_factor(double longer, const std::optional<Vector2d>& stated) {
-  if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
-  // centimetres and millimetres first
-  for (double factor : {0.01, 100.0, 0.001, 1000.0, 0.1, 10.0})
-    if (0.05 <= longer * factor && longer * factor <= 2) return factor;
-  return std::pow(10, std::round(std::log10(0.2 / longer)));
-}
-
-/// "The file is probably in centimetres: bake with --unit-scale 0.01, ..."
-std::string unit_remedy(const SceneNodes& scene, double factor) {
-  const double unit = scene.unit * factor;
-  const auto is = [&](double known) { return std::abs(unit / known - 1) < 1e-6; };
-  const std::string guess = is(0.01)    ? "The file is probably in centimetres"
-                            : is(0.001) ? "The file is probably in millimetres"
-                            : is(1)     ? "The file is probably in metres"
-                                        : "The unit of the file is probably wrong";
-  return fmt::format("{}: bake with --unit-scale {:.6g}, or export {:.6g} times as large.", guess,
-                     unit, factor);
-}
-
-void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2d& size,
-                const SceneOptions& options) {
-  const std::string place = place_of(scene.source, "sheet", node.name);
-  const double longer = size.maxCoeff();
-  const auto stated = stated_size(node, size);
-  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
-    throw Error(ErrorCode::scene, place,
-                fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
-                            metres(size)),
-                unit_remedy(scene, likely_factor(longer, stated)));
-  if (!stated || (size.cwiseQuotient(*stated).array() - 1).abs().maxCoeff() <= size_agreement)
-    return;
-  const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
-  const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
-  throw Error(ErrorCode::scene, place,
-              fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size),
-                          metres(*stated)),
-              wrong_unit ? unit_remedy(scene, std::pow(10, power))
-                         : "Correct paper_size or the mesh; they must agree within 1 %.");
-}
 
 /// Caches hold positions as numbers of 32 bits, whose distance grows with the distance from the
 /// origin. Warns where it is more than a fortieth of the shortest edges of a render mesh.
@@ -105,25 +51,22 @@ void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& auth
   }
 }
 
-SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
-                      const SceneOptions& options, const AppliedOverrides& overrides,
-                      std::vector<std::string>& warnings) {
-  const ImportedNode& node = scene.file.nodes[index];
+/// The number that a sheet gives for a parameter of its paper; nothing without that property.
+std::optional<double> paper_property(const SceneNodes& scene, const ImportedNode& node,
+                                     const std::string& key, const PaperParameter& parameter) {
+  const auto number = number_property(scene.source, node, key);
+  if (number && !parameter.accepts(*number))
+    throw Error(ErrorCode::scene, place_of(scene.source, "sheet", node.name) + ", " + key,
+                out_of_bounds(parameter, *number), unit_remedy(parameter, *number));
+  return number;
+}
+
+/// Sets what the properties of its node say of the paper of a sheet.
+void read_paper(const SceneNodes& scene, const ImportedNode& node, SceneSheet& sheet) {
   const std::string place = place_of(scene.source, "sheet", node.name);
-  FlatSheet flat = flat_sheet(scene.file, index, world, place);
-  SceneSheet sheet;
-  sheet.name = node.name;
-  sheet.pattern = std::move(flat.pattern);
-  sheet.start = std::move(flat.start);
-  sheet.authored = std::move(flat.authored);
-  for (const auto& [key, value] : node.properties)
-    if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
-  name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
-  check_size(scene, node, extent(sheet.pattern), options);
-  warn_of_distance(sheet.name, sheet.start.x, warnings);
   sheet.preset = text_property(node, "paper_preset");
-  sheet.grammage = positive_property(scene.source, node, "paper_gsm");
-  sheet.thickness = positive_property(scene.source, node, "paper_thickness");
+  sheet.grammage = paper_property(scene, node, "paper_gsm", grammage_parameter);
+  sheet.thickness = paper_property(scene, node, "paper_thickness", paper_parameter("thickness"));
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
   if (sheet.friction && *sheet.friction > max_friction)
     throw Error(ErrorCode::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
@@ -135,26 +78,100 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
                   "It must be a whole number of at least 0.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
+}
+
+/// The sheet as it was modelled, without bones and blend shapes.
+/// world  of every node at the first frame
+FlatSheet undeformed_sheet(const SceneNodes& scene, int index,
+                           const std::vector<Eigen::Affine3d>& world, const std::string& place) {
+  return flat_sheet(scene.file, index, world[index],
+                    combined_mesh(scene.file, index, world[index]).x, place);
+}
+
+/// The sheet as bones and blend shapes put it at the first frame. The pattern is that of the sheet
+/// as it was modelled, where its lengths are kept, else that of the shape itself.
+/// world  of every node at the first frame
+FlatSheet deformed_sheet(const SceneNodes& scene, int index,
+                         const std::vector<Eigen::Affine3d>& world, const std::string& place) {
+  const Points3 x = vertices_at(scene, index, world, scene.first_frame);
+  if (!x.allFinite())
+    throw Error(ErrorCode::scene, place, "A vertex is moved beyond all numbers.", export_again);
+  try {
+    FlatSheet flat = undeformed_sheet(scene, index, world, place);
+    flat.start.x = x(flat.kept, Eigen::all);
+    if (keeps_lengths({flat.start.x, {}, flat.start.triangles}, flat.start.pattern)) return flat;
+  } catch (const Error&) {  // what was modelled need not be a sheet
+  }
+  return flat_sheet(scene.file, index, world[index], x, place);
+}
+
+/// The sheet with which the shot begins. Warns where bones and blend shapes are not followed.
+/// world  of every node at the first frame
+/// sheet  its `deformed` is set
+FlatSheet flat_sheet_at_start(const SceneNodes& scene, int index,
+                              const std::vector<Eigen::Affine3d>& world, SceneSheet& sheet,
+                              std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  if (const std::string what = not_followed(scene.file, node); !what.empty())
+    warnings.push_back(fmt::format(
+        "{} of the sheet \"{}\" is not followed: it starts without. Apply the deformation that it "
+        "has at frame {} to the mesh in the DCC and export again.",
+        what, node.name, scene.first_frame));
+  if (!is_deformed(scene.file, node)) return undeformed_sheet(scene, index, world, place);
+  try {
+    FlatSheet flat = deformed_sheet(scene, index, world, place);
+    sheet.deformed = true;
+    return flat;
+  } catch (const Error& error) {
+    warnings.push_back(fmt::format(
+        "Bones or blend shapes give the sheet \"{}\" at frame {} a shape that paper does not have: "
+        "it starts undeformed. {} Bend it without stretch, or apply the deformation to the mesh in "
+        "the DCC, correct the mesh and export again.",
+        node.name, scene.first_frame, error.cause));
+    return undeformed_sheet(scene, index, world, place);
+  }
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eigen::Affine3d>& world,
+                      const SceneOptions& options, const AppliedOverrides& overrides,
+                      std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  SceneSheet sheet;
+  FlatSheet flat = flat_sheet_at_start(scene, index, world, sheet, warnings);
+  sheet.name = node.name;
+  sheet.pattern = std::move(flat.pattern);
+  sheet.start = std::move(flat.start);
+  sheet.authored = std::move(flat.authored);
+  for (const auto& [key, value] : node.properties)
+    if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
+  name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
+  check_size(scene, node, extent(sheet.pattern), options, warnings);
+  warn_of_distance(sheet.name, sheet.start.x, warnings);
+  read_paper(scene, node, sheet);
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.singular_point_rules = overrides.singular_point_rules;
   sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
   check_rules(sheet.singular_point_rules, sheet.pattern, overrides.rules_place, node.name);
   sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
-  for (int m : node.meshes)
-    if (scene.file.meshes[m].deformed) {
-      warnings.push_back(fmt::format(
-          "Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
-          node.name));
-      break;
-    }
   return sheet;
 }
 
 [[noreturn]] void reject_without_sheet(const SceneNodes& scene) {
   std::vector<std::string> meshes;
-  for (const ImportedNode& node : scene.file.nodes)
-    if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  for (const ImportedNode& node : scene.file.nodes) {
+    if (node.meshes.empty()) continue;
+    if (name_begins_with(node.name, "paper"))
+      throw Error(ErrorCode::scene, place_of(scene.source, "node", node.name),
+                  "The scene has no sheet: this mesh is named like one, but it is ignored.",
+                  "Take its property paper_ignore away.");
+    if (name_begins_with(instanced_name(node.name), "paper"))
+      throw Error(ErrorCode::scene, place_of(scene.source, "node", node.name),
+                  "The scene has no sheet: this mesh is the instance of a collection.",
+                  realise_instances);
+    if (meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  }
   throw Error(ErrorCode::scene, scene.source,
               "The scene has no sheet: no mesh whose name starts with \"paper\".",
               meshes.empty() ? "It has no mesh at all: was the sheet exported?"
@@ -198,7 +215,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
     try {
-      sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
+      sheets.push_back(read_sheet(scene, i, world, options, overrides[i], warnings));
     } catch (const Error& error) {
       if (!is_longer_word(node.name)) throw;
       if (!no_sheet) no_sheet = taken_for_sheet(error);
@@ -215,19 +232,30 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
 void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
   constexpr int looks = 16;  // frames that are compared with the first
   const auto first = world_at(scene, scene.first_frame);
-  std::set<int> moved;
+  std::set<int> moved, deformed;
   for (int look = 1; look <= looks; ++look) {
-    const auto world =
-        world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
-    for (int i = 0; i < static_cast<int>(world.size()); ++i)
-      if (is_named_sheet(scene.file.nodes[i]) && !world[i].isApprox(first[i], 1e-5))
+    const int frame = scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks;
+    const auto world = world_at(scene, frame);
+    for (int i = 0; i < static_cast<int>(world.size()); ++i) {
+      if (!is_named_sheet(scene.file.nodes[i])) continue;
+      if (!world[i].isApprox(first[i], 1e-5))
         moved.insert(i);
+      else if (is_deformed(scene.file, scene.file.nodes[i]) &&
+               !vertices_at(scene, i, world, frame)
+                    .isApprox(vertices_at(scene, i, first, scene.first_frame), 1e-5))
+        deformed.insert(i);
+    }
   }
   for (const int i : moved)
     warnings.push_back(
         fmt::format("The sheet \"{}\" is keyed or moves with its parent: it starts where it is at "
                     "frame {}, then only handles move it.",
                     scene.file.nodes[i].name, scene.first_frame));
+  for (const int i : deformed)
+    warnings.push_back(fmt::format(
+        "Bones or blend shapes go on to deform the sheet \"{}\" after frame {}, with which it "
+        "starts: that is not followed, only handles move it.",
+        scene.file.nodes[i].name, scene.first_frame));
 }
 
 }  // namespace paperbake

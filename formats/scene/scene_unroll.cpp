@@ -129,6 +129,10 @@ Points2 unfold(const WeldedMesh& mesh) {
 
 }  // namespace
 
+bool keeps_lengths(const WeldedMesh& mesh, const Points2& flat) {
+  return worst_stretch(mesh, flat) <= max_edge_change;
+}
+
 std::optional<Points2> pattern_from_uv(const WeldedMesh& mesh) {
   if (mesh.uv.rows() == 0) return std::nullopt;
   double both = 0, uv2 = 0;
@@ -144,7 +148,7 @@ std::optional<Points2> pattern_from_uv(const WeldedMesh& mesh) {
     flat.col(0) *= -1;
   else if (clockwise > 0)
     return std::nullopt;
-  if (worst_stretch(mesh, flat) > max_edge_change) return std::nullopt;
+  if (!keeps_lengths(mesh, flat)) return std::nullopt;
   return flat;
 }
 

@@ -7,6 +7,9 @@
 
 namespace paperbake {
 
+/// Whether all edges of the mesh are as long on a flat shape as in space, within 1 %.
+bool keeps_lengths(const WeldedMesh&, const Points2& flat);
+
 /// The flat shape of the mesh given by its UVs: uv times one length, fitted to all edges. Mirrored
 /// UVs are mirrored back, so that triangles are counter-clockwise. |V|x2 [m]; nothing when the
 /// length of an edge differs by more than 1 % or the UVs overlap themselves.

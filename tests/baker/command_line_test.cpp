@@ -180,6 +180,23 @@ TEST_F(CommandLineTest, AReleaseBeyondTheLastFrameIsSaid) {
   EXPECT_FALSE(says("1-500"));
 }
 
+TEST_F(CommandLineTest, MapsOfFramesThatAreNotBakedAreSaidToBeMissing) {
+  const auto warning = [&](const char* maps) {
+    const std::string err = run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--dry-run",
+                                 "--frames", "1-24", "--map-frames", maps})
+                                .err;
+    const std::size_t at = err.find("--map-frames");
+    return at == std::string::npos ? "" : err.substr(at, err.find('\n', at) - at);
+  };
+  const std::string baked = ": the bake has the frames 1-24.";
+  EXPECT_EQ(warning("500-600"),
+            "--map-frames asks for frames 500-600, of which none is baked" + baked);
+  EXPECT_EQ(warning("1-12,30"), "--map-frames asks for frame 30, which is not baked" + baked);
+  EXPECT_EQ(warning("20-30"),
+            "--map-frames asks for frames 20-30, of which those after 24 are not baked" + baked);
+  EXPECT_EQ(warning("1-24x6"), "");
+}
+
 TEST_F(CommandLineTest, WhatIsNoGlbIsToldByWhatItIs) {
   const fs::path scene = folder / "shot.glb";
   write(scene, "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");

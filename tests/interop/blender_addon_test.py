@@ -396,6 +396,25 @@ def test_winds(judgement):
     judgement.check(arrow.name == "Fan" and names.role(arrow) is None, "a wind that was unmarked blows on")
 
 
+def test_groups_of_colliders(judgement):
+    """A mesh below an empty that is a collider is exported as one, with what is between them."""
+    scene = holding("groups")
+    group, between = empty("collider_hand", (0, 0, 1)), empty("between", (0.5, 0, 0))
+    between.parent = group
+    for name, parent in (("palm", between), ("ring", group)):
+        bpy.ops.mesh.primitive_cube_add(size=0.02)
+        bpy.context.object.name, bpy.context.object.parent = name, parent
+    scene.objects["ring"]["paper_collider"] = False
+    names = part("names")
+    judgement.check([thing.name for thing in names.of_role(scene, names.COLLIDER)] == ["palm"], "other colliders than the program has")
+    path = FOLDER / "groups" / "groups.glb"
+    with heard():
+        part("scene_export").write(scene, str(path), LAST)
+    seen = subprocess.run([str(PROGRAM), "inspect", str(path)], capture_output=True, text=True, check=False).stdout
+    judgement.check('collider "palm"' in seen and "ring" not in seen, "the program sees other colliders")
+    judgement.check(names.matched("Paper: Letter") == "paper: letter" and names.matched("rig:Handle_A") == "handle.a", "names with a colon")
+
+
 def test_draft_messages_and_deletion(judgement):
     """A draft beside the bake, shown; every sentence in the text block; the cache goes with its files, and nobody else's."""
     scene = holding("drafted")
@@ -622,7 +641,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_draft_messages_and_deletion, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))

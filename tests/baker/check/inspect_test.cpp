@@ -74,6 +74,23 @@ TEST_F(InspectTest, AnInspectionAsJsonSaysWhatIsInTheScene) {
         << handle;
 }
 
+TEST_F(InspectTest, APaperThatThereIsNotEndsAsItsBakeDoes) {
+  const auto scene = [](const char* extras) {
+    return test::HeldSheet(test::grid(2, 2, 0.2, 0.2), extras).write("no_paper.gltf").string();
+  };
+  const std::string typo = scene(R"({"paper_preset":"copy7O"})"),
+                    place = "no_paper.gltf, sheet \"paper\"";
+  const auto both_refuse = [&](const std::string& path, const std::string& where,
+                               const std::string& words) {
+    EXPECT_TRUE(is_error(run({"inspect", path}), 3, where, words));
+    EXPECT_TRUE(is_error(run({"bake", path, "--dry-run", "-o", folder / "none"}), 3, where, words));
+  };
+  both_refuse(typo, place + ", paper_preset", "Did you mean \"copy70\"?");
+  EXPECT_EQ(run({"bake", typo, "--preset", "copy90", "--dry-run", "-o", folder / "none"}).code, 0)
+      << "it is not used";
+  both_refuse(scene(R"({"paper_gsm":8000})"), place, "The thickness cannot be");
+}
+
 TEST_F(InspectTest, CollidersAreListedWithWhatTheyAreAndWhereTheSheetIs) {
   const Ended ended = run({"inspect", samples + "/F2_half.glb", "--json"});
   ASSERT_EQ(ended.code, 0) << ended.err;

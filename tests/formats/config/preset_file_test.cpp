@@ -177,6 +177,17 @@ TEST(PresetFile, AnUnknownGradeIsAnErrorWithTheNearestNameAndTheList) {
   EXPECT_EQ(error_of("cardboard").cause, "Unknown paper \"cardboard\".");
 }
 
+TEST(PresetFile, AnUnknownGradeOfASceneIsAnErrorOfTheSceneWhereItIsNamed) {
+  for (const char* name : {"copi70", "missing/copy70.toml"}) try {
+      read_preset(name, "shot.glb, sheet \"paper\"");
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code, ErrorCode::scene);
+      EXPECT_EQ(error.place, "shot.glb, sheet \"paper\"");
+      EXPECT_NE(error.cause.find(name), std::string::npos) << error.cause;
+    }
+}
+
 TEST(PresetFile, AnUnknownTableIsNamedWhereItStands) {
   const PresetFile file("[thickness]", "[thicknes]");
   const Error error = error_of(file.path);

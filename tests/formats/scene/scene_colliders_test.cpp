@@ -6,6 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace paperbake::test {
 namespace {
@@ -77,6 +80,64 @@ TEST(SceneColliders, AreWhereBlenderPutsThemInEveryFrameOfAnFbx) {
   const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / "deforming_collider.fbx");
   if (scene.origin.at("curves").find("ufbx") == std::string::npos) GTEST_SKIP() << "needs ufbx";
   EXPECT_LT(off_blender("deforming_collider.fbx"), 1e-5);
+}
+
+/// A held sheet and meshes of these names in an empty, which is half a metre above the origin.
+HeldSheet with_group(const std::string& empty, const std::string& extras,
+                     const std::vector<std::pair<std::string, std::string>>& meshes) {
+  HeldSheet fixture;
+  std::vector<int> children;
+  for (const auto& [name, own] : meshes) {
+    children.push_back(fixture.mesh(name, grid(1, 1, 0.5, 0.5), own));
+    fixture.make_child(children.back());
+  }
+  fixture.node(empty, {0, 0, 0.5}, extras,
+               fmt::format(R"("children":[{}],)", fmt::join(children, ",")));
+  return fixture;
+}
+
+TEST(SceneColliders, AnEmptyMakesCollidersOfTheMeshesBelowIt) {
+  for (const auto& [empty, extras] :
+       {std::pair("collider_hand", R"({"paper_friction":0.25})"),
+        std::pair("hand", R"({"paper_collider":"outside","paper_friction":0.25})")}) {
+    const HeldSheet fixture = with_group(empty, extras,
+                                         {{"palm", "{}"},
+                                          {"finger", R"({"paper_friction":0.5})"},
+                                          {"ring", R"({"paper_collider":0})"}});
+    const Scene scene = read_scene(fixture.write("group.gltf"));
+    ASSERT_EQ(scene.colliders.size(), 2u) << empty;
+    EXPECT_EQ(scene.colliders[0].name, "palm");
+    EXPECT_EQ(scene.colliders[0].friction, 0.25);
+    EXPECT_EQ(scene.colliders[1].friction, 0.5);
+    EXPECT_EQ(scene.colliders[0].x.col(2).minCoeff(), 0.5) << "it goes with its empty";
+    EXPECT_EQ(scene.colliders[0].paper_side == ColliderMesh::PaperSide::outside,
+              std::string(empty) == "hand");
+    EXPECT_FALSE(has_warning(scene, "collider"));
+  }
+}
+
+TEST(SceneColliders, ASheetAndAHandleInAGroupStayWhatTheyAre) {
+  const Scene scene =
+      read_scene(with_group("collider.all", "{}",
+                            {{"paper.above", "{}"}, {"handle.grip", "{}"}, {"box", "{}"}})
+                     .write("roles.gltf"));
+  EXPECT_EQ(scene.sheets.size(), 2u);
+  EXPECT_EQ(handle(scene, "handle.grip").name, "handle.grip");
+  ASSERT_EQ(scene.colliders.size(), 1u);
+  EXPECT_EQ(scene.colliders[0].name, "box");
+}
+
+TEST(SceneColliders, WhatIsMeantAsOneAndIsNoneIsSaid) {
+  HeldSheet fixture(grid(4, 4, 0.2, 0.2), R"({"paper_collider":true})");
+  fixture.node("collider_lost", {0, 0, 0});
+  const Scene scene = read_scene(fixture.write("lost.gltf"));
+  EXPECT_TRUE(has_warning(scene, "\"collider_lost\" has no mesh"));
+  EXPECT_TRUE(has_warning(scene, "\"paper\" is a sheet because of its name"));
+  for (const char* word : {"insid", "[1, 2]"}) {
+    HeldSheet typo;
+    typo.mesh("box", grid(1, 1, 0.5, 0.5), fmt::format(R"({{"paper_collider":"{}"}})", word));
+    EXPECT_ERROR(typo.write("typo.gltf"), "collider \"box\"\n  paper_collider is");
+  }
 }
 
 TEST(SceneColliders, ASheetNeedsNoHandleBesideOne) {

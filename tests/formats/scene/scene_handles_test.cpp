@@ -61,6 +61,27 @@ TEST(SceneHandles, MotionlessHandlesAndKeyedSheetsAreWarnedOf) {
   EXPECT_FALSE(has_warning(scene, "No handle moves"));
 }
 
+TEST(SceneHandles, OfWhichAllAreIgnoredAreNotSaidToBeMissing) {
+  GltfFixture fixture;
+  fixture.mesh("paper", grid(2, 2, 0.2, 0.2));
+  for (const char* name : {"handle.a", "handle.b"})
+    fixture.node(name, {0, 0, 0}, R"({"paper_ignore":true})");
+  EXPECT_ERROR(fixture.write("ignored.gltf"),
+               "All handles of the scene are ignored: \"handle.a\" and 1 more.");
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_ignore":true})").write("ignored.gltf"),
+               "node \"paper\"\n  The scene has no sheet: this mesh is named like one, but");
+}
+
+TEST(SceneHandles, AHandleThatHoldsAllOfTheSheetIsWarnedOf) {
+  const auto warned = [](const char* extras) {
+    return has_warning(
+        read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("radius.gltf")),
+        "\"handle.moved\" holds all of the sheet \"paper\" stiff: its paper_radius is");
+  };
+  EXPECT_TRUE(warned(R"({"paper_radius":5})"));
+  EXPECT_FALSE(warned(R"({"paper_radius":0.02})"));
+}
+
 TEST(SceneHandles, AHandleFarFromEverySheetIsAnError) {
   HeldSheet fixture;
   fixture.node("handle.far", {0.5, 0.6, 0});

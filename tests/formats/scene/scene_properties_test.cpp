@@ -47,8 +47,16 @@ TEST(SceneProperties, PropertiesAreReadWhateverTheirType) {
 }
 
 TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
-  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_friction":40})").write("bad.gltf"),
-               "paper_friction is 40");
+  const auto sheet_with = [](const char* extras) {
+    return HeldSheet(grid(2, 2, 0.2, 0.2), extras).write("bad.gltf");
+  };
+  EXPECT_ERROR(sheet_with(R"({"paper_friction":40})"), "paper_friction is 40");
+  EXPECT_ERROR(sheet_with(R"({"paper_thickness":0.09})"),
+               "bad.gltf, sheet \"paper\", paper_thickness\n  The thickness cannot be 0.09: paper "
+               "lies between 5e-06 and 0.005 [m].\n  Give the value in m: 0.09 mm is 9e-05 m.");
+  EXPECT_ERROR(sheet_with(R"({"paper_gsm":20000})"),
+               "The grammage cannot be 20000: paper lies between 1 and 10000 [g/m2].");
+  EXPECT_ERROR(sheet_with(R"({"paper_gsm":0})"), "The grammage cannot be 0");
   const auto with = [](const char* extras) {
     return HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("bad.gltf");
   };
@@ -59,6 +67,23 @@ TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
   EXPECT_ERROR(with(R"({"paper_radius":-1})"), "not zero or greater");
   EXPECT_ERROR(with(R"({"paper_point":"elbow"})"), "head or tail");
   EXPECT_ERROR(with(R"({"paper_target":"napkin"})"), "The sheets are: paper.");
+}
+
+TEST(SceneProperties, OfTheWholeSceneMustNotContradictEachOther) {
+  const auto with = [](const char* on_sheet, const char* on_handle) {
+    return HeldSheet(grid(2, 2, 0.2, 0.2), on_sheet, on_handle).write("whole.gltf");
+  };
+  EXPECT_ERROR(with(R"({"paper_fps":24})", R"({"paper_fps":30})"),
+               "whole.gltf, nodes \"paper\" and \"handle.moved\"\n  paper_fps is 24 on the one and "
+               "30 on the other");
+  EXPECT_ERROR(with(R"({"paper_gravity":9.81})", R"({"paper_gravity":0})"),
+               "paper_gravity is 9.81");
+  EXPECT_ERROR(with(R"({"paper_air":0})", R"({"paper_air":1.2})"), "paper_air is 0");
+  EXPECT_EQ(read_scene(with(R"({"paper_fps":24})", R"({"paper_fps":"24.0"})")).fps, 24);
+  SceneOptions options;
+  options.fps = 25;
+  EXPECT_EQ(read_scene(with(R"({"paper_fps":24})", R"({"paper_fps":30})"), options).fps, 25)
+      << "neither counts";
 }
 
 }  // namespace

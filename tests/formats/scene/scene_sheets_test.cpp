@@ -1,12 +1,14 @@
 // The sheet and its pattern from meshes written by hand.
 
 #include "formats/scene/scene_file.h"
+#include "formats/scene/scene_properties.h"
 
 #include "tests/formats/scene/scene_fixture.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -165,12 +167,98 @@ TEST(SceneSheets, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const FlatMesh mesh = grid(4, 4, 20, 20);
   const std::string text = error_of(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"));
   EXPECT_NE(text.find("20 x 20 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("--unit-scale 0.01"), std::string::npos) << text;
+  EXPECT_NE(
+      text.find("The sheet would be 20 x 20 mm in millimetres (--unit-scale 0.001), 200 x 200 "
+                "mm in centimetres (--unit-scale 0.01), 508 x 508 mm in inches"),
+      std::string::npos)
+      << text;
   SceneOptions options;
   options.unit_scale = 0.01;
   const Scene scene = read_scene(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"), options);
   EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-7);
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
+}
+
+TEST(SceneSheets, ANameWithAColonIsWholeUnlessItHasANamespace) {
+  for (const char* name : {"Paper: Letter", "paper:letter", "shot:char:paper_01", "paper:Paper 2"})
+    EXPECT_EQ(read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, name).write("colon.gltf"))
+                  .sheets.at(0)
+                  .name,
+              name);
+  EXPECT_EQ(matched_name("Rig:Handle_Left.001"), "handle.left");
+  EXPECT_EQ(matched_name("rig:Grip_Left.001"), "grip.left");
+  EXPECT_EQ(matched_name("paper:handle"), "handle");
+  EXPECT_EQ(matched_name("Paper: Letter"), "paper: letter");
+}
+
+TEST(SceneSheets, TheInstanceOfACollectionIsToBeMadeReal) {
+  HeldSheet fixture(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "table|paper|Dupli|");
+  const std::string text = error_of(fixture.write("instance.gltf"));
+  EXPECT_NE(text.find("this mesh is the instance of a collection"), std::string::npos) << text;
+  EXPECT_NE(text.find("Make Instances Real"), std::string::npos) << text;
+  HeldSheet beside;
+  beside.mesh("table|collider.box|Dupli|", grid(1, 1, 0.5, 0.5));
+  beside.mesh("table|box|Dupli|", grid(1, 1, 0.5, 0.5));
+  const Scene scene = read_scene(beside.write("beside.gltf"));
+  EXPECT_TRUE(test::has_warning(scene, "\"table|collider.box|Dupli|\" is ignored"));
+  EXPECT_FALSE(test::has_warning(scene, "\"table|box|Dupli|\""));
+}
+
+/// The sheets of tests/data/deformed_sheets.py: its radius, its angle, and its size.
+void expect_deformed_sheets(const std::string& file) {
+  const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / file);
+  ASSERT_EQ(scene.sheets.size(), 3u);
+  for (const SceneSheet& sheet : scene.sheets) {
+    EXPECT_NEAR((extent(sheet.pattern) - Vector2d(0.2, 0.1)).norm(), 0, 1e-6)
+        << sheet.name << ": the chords of the roll do not make it shorter";
+    const Points2& flat = sheet.start.pattern;
+    const Points3 x = sheet.start.x.rowwise() - sheet.start.x.row(0);
+    const bool rolled = sheet.name == "paper.rolled", folded = sheet.name == "paper.folded";
+    EXPECT_EQ(sheet.deformed, rolled || folded) << sheet.name;
+    for (Eigen::Index v = 0; v < x.rows(); ++v) {
+      constexpr double radius = 0.08, angle = M_PI / 3;
+      const double u = flat(v, 0), beyond = std::max(0.0, u - 0.1);
+      const Vector2d along =
+          rolled   ? Vector2d(radius * std::sin(u / radius), radius - radius * std::cos(u / radius))
+          : folded ? Vector2d(u - beyond + beyond * std::cos(angle), beyond * std::sin(angle))
+                   : Vector2d(u, 0);
+      EXPECT_NEAR(x(v, 0), along.x(), 1e-5) << sheet.name << ' ' << v;
+      EXPECT_NEAR(std::abs(x(v, 2)), along.y(), 1e-5) << sheet.name << ' ' << v;
+    }
+  }
+  EXPECT_TRUE(test::has_warning(scene,
+                                "give the sheet \"paper.bulged\" at frame 1 a shape that "
+                                "paper does not have: it starts undeformed."));
+  EXPECT_TRUE(test::has_warning(scene, "apply the deformation to the mesh"));
+  EXPECT_TRUE(test::has_warning(scene, "go on to deform the sheet \"paper.rolled\""));
+  EXPECT_FALSE(test::has_warning(scene, "go on to deform the sheet \"paper.folded\""));
+}
+
+TEST(SceneSheets, StartAsBonesAndShapeKeysPutThem) {
+  expect_deformed_sheets("deformed_sheets.glb");
+}
+
+TEST(SceneSheets, OfAnFbxStartAsBonesAndShapeKeysPutThem) {
+  const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / "deformed_sheets.fbx");
+  if (scene.origin.at("curves").find("ufbx") == std::string::npos) GTEST_SKIP() << "needs ufbx";
+  expect_deformed_sheets("deformed_sheets.fbx");
+  for (const SceneSheet& sheet : scene.sheets)
+    if (sheet.name == "paper.folded") {
+      // glTF has no marks of edges
+      ASSERT_EQ(sheet.pattern.prescribed_creases.size(), 1u) << "the marked edges lie on it";
+      EXPECT_NEAR(std::abs(sheet.pattern.prescribed_creases[0].angle), M_PI / 3, 1e-4);
+    }
+}
+
+TEST(SceneSheets, AShapeKeyBeyondAllNumbersIsNotFollowed) {
+  ImportedFile file = import_in_process(HeldSheet().write("huge.gltf"));
+  ImportedMesh& mesh = file.meshes.at(0);
+  mesh.deformed = true;
+  mesh.targets = {Points3::Constant(mesh.x.rows(), 3, 1e308)};
+  mesh.target_weights = {10};
+  const Scene scene = scene_of(std::move(file), "huge.gltf");
+  EXPECT_TRUE(test::has_warning(scene, "A vertex is moved beyond all numbers."));
+  EXPECT_TRUE(scene.sheets.at(0).start.x.allFinite());
 }
 
 TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
@@ -187,6 +275,34 @@ TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
                "--unit-scale 0.1");
   EXPECT_ERROR(HeldSheet(grid(2, 2, 20, 10), R"({"paper_size":[0.2,0.1]})").write("hundred.gltf"),
                "--unit-scale 0.01");
+  EXPECT_ERROR(
+      HeldSheet(grid(2, 2, 8, 4), R"({"paper_size":[0.2032,0.1016]})").write("inch.gltf"),
+      "The file is probably in inches: bake with --unit-scale 0.0254, with which the sheet "
+      "is 203.2 x 101.6 mm");
+}
+
+TEST(SceneSheets, OnlyUnitsThatGiveAUsualSizeAreProposed) {
+  const auto with_side = [](double side) {
+    return HeldSheet(grid(2, 2, side, 0.75 * side), "{}", "{}", side / 0.2).write("unit.gltf");
+  };
+  EXPECT_ERROR(with_side(200),
+               "The file is probably in millimetres: bake with --unit-scale 0.001, "
+               "with which the sheet is 200 x 150 mm");
+  const std::string both = error_of(with_side(7.874));
+  EXPECT_NE(both.find("78.74 x 59.06 mm in centimetres"), std::string::npos) << both;
+  EXPECT_NE(both.find("200 x 150 mm in inches (--unit-scale 0.0254)"), std::string::npos) << both;
+  EXPECT_EQ(both.find("millimetres"), std::string::npos) << both;
+  EXPECT_ERROR(with_side(1e-5), "bake with --unit-scale and the length of one unit");
+}
+
+TEST(SceneSheets, ASheetLargerThanAnyThatIsSoldIsWarnedOf) {
+  EXPECT_FALSE(test::has_warning(read_scene(HeldSheet(grid(2, 2, 1.189, 0.841)).write("a0.gltf")),
+                                 "larger than A0"));
+  const auto path = HeldSheet(grid(2, 2, 4, 3)).write("large.gltf");
+  EXPECT_TRUE(test::has_warning(read_scene(path), "larger than A0: is that meant?"));
+  SceneOptions options;
+  options.unit_scale = 1;
+  EXPECT_FALSE(test::has_warning(read_scene(path, options), "larger than A0"));
 }
 
 }  // namespace
