@@ -203,7 +203,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
   const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
   files_.failures.try_write(".state/written",
-                            [&] { replace_outputs(files_.folder(), all, stale, keys_); });
+                            [&] { replace_outputs(files_.folder(), plan.name, all, stale, keys_); });
   if (const auto failed = final_error(failure)) throw *failed;
   remove_rendered_frames(files_.folder() / ".state");
   return outcome;

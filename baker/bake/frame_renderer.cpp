@@ -66,11 +66,9 @@ bool FrameRenderer::rests(std::size_t k) const {
     const RecordedFrame &now = recorded[k], &before = recorded[k - 1];
     if (now.held != before.held || now.held_at != before.held_at || now.keyed != before.keyed)
       return false;
-    if (const auto& colliders = inputs_[s].shot->colliders) {
-      const int row = now.frame - recorded.front().frame;
-      const ColliderMotion motion = motion_to(*colliders, row);
-      if (farthest_move(motion.from, motion.to) > 0) return false;
-    }
+    if (const auto& colliders = inputs_[s].shot->colliders;
+        colliders && farthest_move(*colliders, now.frame - recorded.front().frame) > 0)
+      return false;
   }
   return true;
 }

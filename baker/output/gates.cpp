@@ -126,8 +126,13 @@ std::string worst_jam(const FrameRecord& f, const std::vector<UnreachablePairOfS
         return i.sheet == f.sheet && i.pair.first <= f.frame && f.frame <= i.pair.last &&
                (i.pair.a == worst->handle || i.pair.b == worst->handle);
       });
+  const FrameStatistics& now = f.statistics;
+  const bool is_free = now.touching + now.touching_others + now.on_colliders == 0;
   return fmt::format(" (\"{}\" is {})", worst->handle,
-                     out_of_reach ? "keyed beyond the reach of the paper" : "jammed");
+                     out_of_reach ? "keyed beyond the reach of the paper"
+                     : is_free ? "jammed, though nothing touches the sheet: its mesh does not fold "
+                                 "any farther; try more --base-triangles, or slower keys"
+                               : "jammed");
 }
 
 /// A sentence about the frames in which the solver gave up; empty: there are none.

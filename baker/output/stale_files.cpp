@@ -13,19 +13,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Path, relative to the folder, and key.
-std::map<std::string, std::string> read_list(const fs::path& list) {
-  std::map<std::string, std::string> files;
+/// What a bake has written.
+struct Written {
+  std::string shot;                          // as its files are called
+  std::map<std::string, std::string> files;  // paths, relative to the folder, and keys
+};
+
+Written read_list(const fs::path& list) {
+  Written written;
   std::istringstream stream(read_file(list).value_or(""));
-  for (std::string key, path; stream >> key && std::getline(stream.ignore(), path);)
-    files[path] = key;
-  return files;
+  for (std::string key, value; stream >> key && std::getline(stream.ignore(), value);)
+    if (key == "shot")
+      written.shot = value;
+    else
+      written.files[value] = key;
+  return written;
 }
 
 }  // namespace
 
 bool outputs_unmodified(const fs::path& folder) {
-  const auto files = read_list(folder / ".state" / "written");
+  const auto files = read_list(folder / ".state" / "written").files;
   const auto whole = [&](const auto& file) {
     std::error_code none;
     return fs::is_regular_file(folder / file.first, none) &&
@@ -34,7 +42,8 @@ bool outputs_unmodified(const fs::path& folder) {
   return !files.empty() && std::all_of(files.begin(), files.end(), whole);
 }
 
-void replace_outputs(const fs::path& folder, const std::vector<fs::path>& written, StaleFiles stale,
+void replace_outputs(const fs::path& folder, const std::string& shot,
+                     const std::vector<fs::path>& written, StaleFiles stale,
                      const std::map<fs::path, std::string>& keys) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
   std::map<std::string, std::string> files;
@@ -43,8 +52,13 @@ void replace_outputs(const fs::path& folder, const std::vector<fs::path>& writte
     files[fs::absolute(path).lexically_normal().lexically_relative(base).generic_string()] =
         known == keys.end() ? file_hash(path) : known->second;
   }
-  for (const auto& [path, key] : read_list(list)) {
+  const Written before = read_list(list);
+  const auto is_of_another_shot = [&](const fs::path& path) {
+    return before.shot != shot && path.filename().string().rfind(before.shot + ".", 0) == 0;
+  };
+  for (const auto& [path, key] : before.files) {
     std::error_code none;
+    if (is_of_another_shot(path)) continue;
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||
         file_hash(base / path) != key)
       continue;
@@ -53,7 +67,7 @@ void replace_outputs(const fs::path& folder, const std::vector<fs::path>& writte
     else
       files[path] = key;
   }
-  std::string text;
+  std::string text = "shot " + shot + "\n";
   for (const auto& [path, key] : files) text += key + " " + path + "\n";
   write_atomically(list, text);
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr double kept_share = 0.9;  // [1] of the frames that must keep the accuracy
 // [1] of the error that a mesh of twice as many triangles keeps, at most
 constexpr double least_gain = 0.75;
+constexpr double noticeable = 0.1;     // [%] of the longer side, where no accuracy is asked for
 constexpr double size_exponent = 1.3;  // CPU time ~ size^1.3, to tell whether a budget is enough
 
 /// A simulation of all sheets, sampled at places of their patterns.
@@ -154,7 +155,7 @@ class AccuracySearch {
     distances_.push_back(std::move(pct));
     const std::size_t last = distances_.size() - 1;
     if (last > 0) {
-      const double least = settings_.accuracy.value_or(0);
+      const double least = settings_.accuracy.value_or(noticeable);
       const std::size_t at = parting_frame(cut(last - 1), cut(last), least);
       part(at, "finer meshes do not come nearer to each other");
     }
@@ -254,10 +255,14 @@ BakePlan plan_with_accuracy(BakeSettings& settings, const Log& log) {
 
 std::string describe(const AccuracyChoice& choice) {
   std::string text = fmt::format("accuracy: {} with {} triangles", choice.method, choice.size);
-  if (!choice.frame_error_pct.empty())
+  if (choice.frame_error_pct.empty())
+    text += "; there was no time to estimate how far off it is";
+  else
     text += fmt::format(
-        "; nine of ten frames are estimated to be within {:.2g} % of the longer "
-        "side",
+        "; nine of ten frames{} are estimated to be within {:.2g} % of the longer side",
+        choice.parts_in_frame ? fmt::format(" of the {} before frame {}",
+                                            choice.frame_error_pct.size(), *choice.parts_in_frame)
+                              : "",
         choice.error_pct);
   if (choice.asked_pct && !choice.is_reached && !choice.frame_error_pct.empty())
     text += fmt::format(", which is more than the {:g} % that were asked for", *choice.asked_pct);

@@ -90,6 +90,9 @@ double rms_deformation(const Points3& before, const Points3& now) {
 
 double squeeze(const Points3& x, const ColliderMotion& moving) {
   if (moving.from == moving.to) return 0;
+  std::vector<double> within;
+  for (std::size_t c = 0; c < moving.from.size(); ++c)
+    within.push_back(farthest_move(*moving.from[c], *moving.to[c]) + collider_dhat);
   std::vector<Vector3d> touched, there;
   for (int v = 0; v < x.rows(); ++v) {
     const Vector3d p = x.row(v);
@@ -97,7 +100,7 @@ double squeeze(const Points3& x, const ColliderMotion& moving) {
       const Collider& from = *moving.from[c];
       if (from.nearest(p, collider_dhat, 1).triangle < 0) continue;
       touched.push_back(p);
-      there.push_back(carried(from, *moving.to[c], p, collider_dhat, 1));
+      there.push_back(carried(from, *moving.to[c], p, within[c], 1));
       break;
     }
   }

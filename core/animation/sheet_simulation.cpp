@@ -161,7 +161,11 @@ void SheetSimulation::move_world() {
   now_.input = {handles_.held(frame_)};
   now_.input.time = row / options_.fps;
   fold_by_hands(simulated_.sheet, shot_.hands, row);
-  if (shot_.colliders) now_.input.colliders = motion_to(*shot_.colliders, row);
+  if (shot_.colliders) {
+    const ColliderShapes& before = resting_input_.colliders.to;
+    now_.input.colliders = before.empty() ? motion_to(*shot_.colliders, row)
+                                          : motion_to(*shot_.colliders, row, before);
+  }
   jam_.begin_frame(now_.input.colliders);
 }
 
@@ -265,10 +269,7 @@ double SheetSimulation::fastest_drive(int frame) const {
   const int row = frame - options_.first_frame;
   if (row < 1) return 0;
   double most = farthest_target_move(handles_.held(frame - 1), handles_.held(frame));
-  if (shot_.colliders) {
-    const ColliderMotion moving = motion_to(*shot_.colliders, row);
-    most = std::max(most, farthest_move(moving.from, moving.to));
-  }
+  if (shot_.colliders) most = std::max(most, farthest_move(*shot_.colliders, row));
   return most * options_.fps;
 }
 

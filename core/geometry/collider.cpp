@@ -349,24 +349,49 @@ int Collider::passes_through(const Vector3d& p, const Vector3d& q) const {
   return side;
 }
 
+namespace {
+
+/// Where the vertices of a collider are in a frame.
+const Points3& positions_at(const Collider& collider, int row) {
+  const std::vector<Points3>& frames = collider.frames();
+  if (frames.empty()) return collider.mesh().x;
+  return frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
+}
+
+std::shared_ptr<const Collider> shape_at(const Collider& collider, int row) {
+  const Points3& x = positions_at(collider, row);
+  if (&x == &collider.mesh().x || x == collider.mesh().x)
+    return {std::shared_ptr<void>(), &collider};
+  return std::make_shared<const Collider>(collider, x);
+}
+
+}  // namespace
+
 ColliderShapes shapes_at(const Colliders& colliders, int row) {
   ColliderShapes shapes;
-  for (const Collider& c : colliders) {
-    const auto& frames = c.frames();
-    const int frame = std::clamp(row, 0, std::max(0, static_cast<int>(frames.size()) - 1));
-    if (frames.empty() || frames[frame] == c.mesh().x)
-      shapes.emplace_back(std::shared_ptr<void>(), &c);
-    else
-      shapes.push_back(std::make_shared<const Collider>(c, frames[frame]));
-  }
+  for (const Collider& c : colliders) shapes.push_back(shape_at(c, row));
   return shapes;
 }
 
 ColliderMotion motion_to(const Colliders& colliders, int row) {
-  ColliderMotion motion{shapes_at(colliders, row - 1), shapes_at(colliders, row)};
-  for (std::size_t c = 0; c < motion.to.size(); ++c)
-    if (motion.from[c]->mesh().x == motion.to[c]->mesh().x) motion.from[c] = motion.to[c];
+  return motion_to(colliders, row, shapes_at(colliders, row - 1));
+}
+
+ColliderMotion motion_to(const Colliders& colliders, int row, ColliderShapes before) {
+  ColliderMotion motion{std::move(before), {}};
+  for (std::size_t c = 0; c < colliders.size(); ++c)
+    motion.to.push_back(motion.from[c]->mesh().x == positions_at(colliders[c], row)
+                            ? motion.from[c]
+                            : shape_at(colliders[c], row));
   return motion;
+}
+
+double farthest_move(const Colliders& colliders, int row) {
+  double most = 0;
+  for (const Collider& c : colliders)
+    most = std::max(
+        most, (positions_at(c, row) - positions_at(c, row - 1)).rowwise().squaredNorm().maxCoeff());
+  return std::sqrt(most);
 }
 
 ColliderShapes between(const ColliderShapes& a, const ColliderShapes& b, double share) {
@@ -420,10 +445,10 @@ Eigen::Matrix3d frame_of(const std::array<Vector3d, 3>& corners) {
 
 }  // namespace
 
-Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
+Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double within,
                  int side) {
   if (&from == &to) return p;
-  const SurfacePoint near = from.nearest(p, farthest_move(from, to) + clearance, side);
+  const SurfacePoint near = from.nearest(p, within, side);
   if (near.triangle < 0) return p;
   std::array<Vector3d, 3> before, after;
   for (int i = 0; i < 3; ++i) {

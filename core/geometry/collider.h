@@ -173,17 +173,21 @@ struct ColliderMotion {
 };
 /// The motion from the row before to this one.
 ColliderMotion motion_to(const Colliders&, int row);
+/// The same, of which the beginning is there already. before  shapes_at(row - 1)
+ColliderMotion motion_to(const Colliders&, int row, ColliderShapes before);
 /// Largest displacement of any vertex of a collider. [m]
 double farthest_move(const Collider& from, const Collider& to);
 /// The same for all. [m]
 double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
+/// The same from the row before to this one. [m]
+double farthest_move(const Colliders&, int row);
 
 /// Where a point gets to that a moving collider carries along: it keeps its place beside the point
 /// of the surface that is nearest to it, and turns with the triangle there. For a collider that
-/// moves rigidly this is the rigid motion. A point that is farther from the surface than the
-/// surface moves, and another `clearance` [m], stays where it is.
+/// moves rigidly this is the rigid motion. A point that is farther from the surface than `within`
+/// [m], which is farthest_move() and a clearance, stays where it is.
 /// side  as in Collider::nearest
-Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
+Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double within,
                  int side);
 
 /// Moves points of a sheet that are inside a collider, or closer to it than `clearance`, out of it.

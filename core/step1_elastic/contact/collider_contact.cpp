@@ -59,9 +59,7 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
 Points3 ColliderContact::carried_by(std::size_t c, const Points3& x) const {
   if (motion_.from[c] == motion_.to[c]) return x;
   Points3 carried(x.rows(), 3);
-  for (int v = 0; v < x.rows(); ++v)
-    carried.row(v) = paperbake::carried(*motion_.from[c], *motion_.to[c], row(x, v),
-                                        carried_within(c, v), states_[c].side[v]);
+  for (int v = 0; v < x.rows(); ++v) carried.row(v) = carried_by(c, x, v);
   return carried;
 }
 
@@ -72,7 +70,7 @@ void ColliderContact::find_swept_vertices(std::size_t c) {
   a.swept.assign(held_.size(), 0);
   const Collider &from = *motion_.from[c], &to = *motion_.to[c];
   if (&from == &to) return;
-  const double reach = farthest_move(from, to) + collider_dhat;
+  const double reach = a.moved + collider_dhat;
   const Points3& y = from.mesh().x;
   for (const SheetFeature& feature : a.features) {
     if (feature.corners == 1) continue;
@@ -98,9 +96,11 @@ void ColliderContact::find_swept_vertices(std::size_t c) {
   }
 }
 
-double ColliderContact::carried_within(std::size_t c, int v) const {
+Vector3d ColliderContact::carried_by(std::size_t c, const Points3& x, int v) const {
   constexpr double anywhere = 1;  // [m]
-  return states_[c].swept[v] ? anywhere : collider_dhat;
+  const ColliderState& a = states_[c];
+  return carried(*motion_.from[c], *motion_.to[c], row(x, v),
+                 a.moved + (a.swept[v] ? anywhere : collider_dhat), a.side[v]);
 }
 
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
@@ -269,6 +269,7 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
     if (!before.closed())
       for (int v = 0; v < x.rows(); ++v)
         states_[c].side[v] = static_cast<char>(before.side_of(row(x, v), 4 * before.depth()));
+    states_[c].moved = farthest_move(before, collider(c));
     find_swept_vertices(c);
     const Points3 carried = carried_by(c, x);
     refresh(c, carried);
@@ -342,8 +343,7 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
 /// Where the vertex gets to on its way to a target.
 Vector3d ColliderContact::reachable(int v, Vector3d to) const {
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Vector3d p = carried(*motion_.from[c], *motion_.to[c], row(start_, v),
-                               carried_within(c, v), states_[c].side[v]);
+    const Vector3d p = carried_by(c, start_, v);
     to = slide(collider(c), p, to, states_[c].side[v]);
   }
   return to;

@@ -121,6 +121,7 @@ class ColliderContact {
     // |V| whether the vertex is a corner of an edge or a triangle of the sheet that an edge or a
     // corner of the moving collider may meet in this step
     std::vector<char> swept;
+    double moved = 0;        // [m] by the collider in this step, at most
     std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
   };
 
@@ -131,7 +132,8 @@ class ColliderContact {
   /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
   Points3 carried_by(std::size_t c, const Points3& x) const;
   void find_swept_vertices(std::size_t c);
-  double carried_within(std::size_t c, int vertex) const;  // [m] clearance of carried()
+  /// Where the collider takes a vertex from the start of the step.
+  Vector3d carried_by(std::size_t c, const Points3& x, int vertex) const;
   Points3 taken_along() const;
   template <class Visit>
   void for_each_touch(std::size_t c, const Points3& y, Visit) const;

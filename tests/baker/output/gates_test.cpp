@@ -122,7 +122,10 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
   BakePlan plan;
   plan.impossible = {{"paper", {"handle.a", "handle.b", 7, 6, 8, 0.2, 0.1}}};
   std::vector<FrameRecord> frames{rendered(7), rendered(9), rendered(10)};
-  for (FrameRecord& f : frames) f.jammed = {{"handle.b", 30}};
+  for (FrameRecord& f : frames) {
+    f.jammed = {{"handle.b", 30}};
+    f.statistics.touching = 2;
+  }
   frames[0].statistics.handle_error_max = 0.03;
   EXPECT_NE(missed_gates({}, frames, plan)
                 .at(0)
@@ -133,6 +136,9 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
   const std::string sentence = missed_gates({}, frames, plan).at(0).sentence;
   EXPECT_NE(sentence.find("(\"handle.b\" is jammed)"), std::string::npos)
       << "in that frame it is within reach: " << sentence;
+  frames[1].statistics.touching = 0;
+  EXPECT_NE(missed_gates({}, frames, plan).at(0).sentence.find("try more --base-triangles"),
+            std::string::npos);
   EXPECT_NE(sentence.find("In 2 frames from 9 to 10 the sheet stands still because the step was "
                           "not solved"),
             std::string::npos)
@@ -147,6 +153,7 @@ TEST(Gates, EveryMissedGateHasAnAdvice) {
   bad.statistics.crossings = bad.statistics.render->crossings = 3;
   bad.statistics.render->crossings_with_others = 3;
   bad.jammed = {{"handle.a", 2}, {"handle.b", 9}};
+  bad.statistics.touching = 1;
   BakePlan plan;
   plan.impossible.resize(1);
   const std::vector<MissedGate> missed = missed_gates({}, {bad}, plan);

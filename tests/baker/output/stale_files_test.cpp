@@ -1,6 +1,7 @@
 // What is left of the bake before in an output folder.
 
 #include "tests/baker/program_fixture.h"
+#include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +20,8 @@ using test::write;
 
 class StaleFilesTest : public CommandLine {
  protected:
-  void bake_as(const Words& more) const {
-    Words words{"bake",        samples + "/S4_crumple.glb",
+  void bake_as(const Words& more, const std::string& scene = samples + "/S4_crumple.glb") const {
+    Words words{"bake",        scene,
                 "-o",          output(),
                 "--method",    "fem",
                 "--triangles", "100",
@@ -68,6 +69,19 @@ TEST_F(StaleFilesTest, ABakeIntoOneUsdLayerRemovesTheLayersOfTheBakeBefore) {
   EXPECT_TRUE(files().count("S4_crumple.usdc"));
   EXPECT_FALSE(files().count("S4_crumple.asset.usdc"));
   EXPECT_FALSE(files().count("S4_crumple.animation.usdc"));
+}
+
+TEST_F(StaleFilesTest, ABakeOfAnotherShotKeepsTheCachesOfTheFirst) {
+  const fs::path folder = test::own_folder();
+  for (const char* shot : {"sh010", "sh020"})
+    fs::copy_file(samples + "/S4_crumple.glb", folder / (std::string(shot) + ".glb"));
+  bake_as({"--formats", "abc,maps,cert,report"}, (folder / "sh010.glb").string());
+  bake_as({"--formats", "abc,cert"}, (folder / "sh020.glb").string());
+  EXPECT_TRUE(files().count("sh010.abc"));
+  EXPECT_TRUE(files().count("maps/sh010.final.exr"));
+  EXPECT_TRUE(files().count("sh020.abc"));
+  EXPECT_FALSE(files().count("report.html")) << "which shows the other shot";
+  EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
 TEST_F(StaleFilesTest, ABakeWithoutACertificateLeavesNoOldOne) {

@@ -434,6 +434,27 @@ TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   });
 }
 
+TEST(ColliderTest, AFrameGoesOnFromTheShapesOfTheFrameBefore) {
+  ColliderMesh moving = box({-0.01, -0.01, 0}, {0.01, 0.01, 0.02});
+  for (const double height : {0.0, 0.003, 0.003, 0.004}) {
+    moving.frames.push_back(moving.x);
+    moving.frames.back().col(2).array() += height;
+  }
+  const auto colliders = all({ground(), moving});
+  ColliderShapes before = shapes_at(*colliders, 0);
+  for (int row = 1; row < 6; ++row) {
+    const ColliderMotion motion = motion_to(*colliders, row, before),
+                         anew = motion_to(*colliders, row);
+    EXPECT_EQ(motion.from, before);
+    EXPECT_EQ(motion.to[0], motion.from[0]) << "the ground stands still";
+    EXPECT_EQ(motion.to[1] == motion.from[1], row == 2 || row > 3) << row;
+    EXPECT_EQ(motion.to[1]->mesh().x, anew.to[1]->mesh().x);
+    EXPECT_EQ(farthest_move(*colliders, row), farthest_move(anew.from, anew.to));
+    EXPECT_NEAR(farthest_move(*colliders, row), row == 1 ? 0.003 : row == 3 ? 0.001 : 0, 1e-15);
+    before = motion.to;
+  }
+}
+
 TEST(ColliderTest, ARigidMotionCarriesPointsAlong) {
   const Collider from(box({-0.02, -0.01, 0}, {0.02, 0.01, 0.03}));
   const Eigen::Isometry3d motion = Eigen::Translation3d(0.01, -0.02, 0.005) *
@@ -443,9 +464,9 @@ TEST(ColliderTest, ARigidMotionCarriesPointsAlong) {
   const Collider to(from, x);
   for (const Vector3d& p : {Vector3d(0.001, 0.002, 0.031), Vector3d(0.022, 0.013, -0.004),
                             Vector3d(0.01, 0.004, 0.029)})
-    EXPECT_LT((carried(from, to, p, 1e-3, 1) - motion * p).norm(), 1e-9);
+    EXPECT_LT((carried(from, to, p, farthest_move(from, to) + 1e-3, 1) - motion * p).norm(), 1e-9);
   const Vector3d far(0.2, 0, 0);  // the box moves by less than its distance
-  EXPECT_EQ(carried(from, to, far, 1e-3, 1), far);
+  EXPECT_EQ(carried(from, to, far, farthest_move(from, to) + 1e-3, 1), far);
 }
 
 /// A sheet of 10 cm held at its corners, at a height [m].
