@@ -202,8 +202,8 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   std::vector<std::filesystem::path> all = files_.written();
   all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
   const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
-  files_.failures.try_write(".state/written",
-                            [&] { replace_outputs(files_.folder(), plan.name, all, stale, keys_); });
+  files_.failures.try_write(
+      ".state/written", [&] { replace_outputs(files_.folder(), plan.name, all, stale, keys_); });
   if (const auto failed = final_error(failure)) throw *failed;
   remove_rendered_frames(files_.folder() / ".state");
   return outcome;

@@ -11,11 +11,11 @@ enum class StaleFiles { remove, keep };
 
 /// Makes an output folder that of the bake that wrote these files: what the bake before it wrote
 /// and this one did not is removed, unless somebody has changed it since, or it is called after
-/// another shot; files of others stay. Which they were, `.state/written` says: the name of the shot,
-/// and a key and a path a line.
-/// shot  what the files of this bake are called
-/// stale  for a bake that could not write all it should: the older files stay for now, and on the
-///       list
+/// another shot; files of others stay. Which they were, `.state/written` says: the name of the
+/// shot, and a key and a path a line.
+/// shot   what the files of this bake are called
+/// stale  keep: for a bake that could not write all it should, the older files stay for now, and on
+///        the list
 /// keys  of written files, as far as they are known: path and file_hash()
 /// throws Error(ErrorCode::folder)
 void replace_outputs(const std::filesystem::path& folder, const std::string& shot,

@@ -100,11 +100,11 @@ class Collider {
   /// The closest point of the whole collider; its distance is infinite when none is closer than
   /// `within` [m].
   SurfacePoint nearest(const Vector3d& p, double within, int side) const;
-  /// From which side a point of a sheet touches the collider: -1 if it is farther than depth() behind
-  /// an open mesh, but not as far as `within` [m]: it has come round the border. Otherwise 1.
+  /// From which side a point of a sheet touches the collider: -1 if it is farther than depth()
+  /// behind an open mesh, but not as far as `within` [m]: it has come round the border. Else 1.
   int side_of(const Vector3d& p, double within) const;
-  /// The same for a point near one that is outside, from which it has come in a straight line: it has
-  /// not come round the border if it has passed through the mesh.
+  /// The same for a point near one that is outside, from which it has come in a straight line: it
+  /// has not come round the border if it has passed through the mesh.
   int side_of(const Vector3d& p, const Vector3d& known) const;
 
  private:
@@ -128,8 +128,8 @@ class Collider {
     bool border;
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
-  /// From which side the way from p to q passes through the surface first: 1 from the front, -1 from
-  /// behind, 0 if it does not.
+  /// From which side the way from p to q passes through the surface first: 1 from the front, -1
+  /// from behind, 0 if it does not.
   int passes_through(const Vector3d& p, const Vector3d& q) const;
 
   void prepare();

@@ -147,73 +147,85 @@ void ColliderContact::refresh(std::size_t c, const Points3& y) {
   }
 }
 
-/// An edge of the sheet and the k-th edge of the collider, or a triangle of the sheet and the k-th
-/// corner.
+/// Whether a line from the sheet to a feature of a collider leads out of its face.
+static bool leads_out(const Vector3d& n, const Vector3d& inward) {
+  return n.dot(inward) <= in_cone * n.norm();
+}
+
+/// An edge of the sheet and the k-th edge of the collider.
+/// behind  how many corners of the edge touch the collider from behind
+ColliderContact::FeaturePair ColliderContact::edge_pair(const Collider& collider, const EdgeEnds& y,
+                                                        int k, int behind) const {
+  const Points3& x = collider.mesh().x;
+  const Collider::Edge& edge = collider.edges()[k];
+  const ClosestPoints near = edge_to_edge({y[0], y[1], row(x, edge.a), row(x, edge.b)});
+  FeaturePair m{{near.weights[0], near.weights[1], 0},
+                -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b),
+                near.apart,
+                near.distance(),
+                FeaturePair::outside};
+  const Vector3d along = row(x, edge.b) - row(x, edge.a), first = edge.inward[0],
+                 second = behind == 2 && edge.border ? Vector3d(-edge.inward[1]) : edge.inward[1];
+  const bool is_beside_ends = near.weights[2] == 0 || near.weights[3] == 0;
+  if (behind == 1) {  // it hangs over a border: inside below it
+    if (edge.border && m.apart.dot(first) > 0 && !is_beside_ends && m.weights[0] > 0 &&
+        m.weights[1] > 0)
+      m.where = FeaturePair::inside;
+    return m;
+  }
+  // the sheet lies beyond the plane of one face, seen from the other face
+  const auto above = [&](const Vector3d& face, const Vector3d& other) {
+    const Vector3d normal = along.cross(face);
+    return m.apart.dot(normal) * normal.dot(other) < 0;
+  };
+  if (above(first, second) || above(second, first)) return m;
+  // beside the ends of the edge the contact of a vertex gives the depth
+  const bool out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second) &&
+                          !is_beside_ends && m.weights[0] > 0 && m.weights[1] > 0;
+  m.where = out_of_all ? FeaturePair::inside : FeaturePair::nearer_to_another;
+  return m;
+}
+
+/// A triangle of the sheet and the k-th corner of the collider.
+ColliderContact::FeaturePair ColliderContact::corner_pair(const Collider& collider,
+                                                          const TriangleCorners& y, int k,
+                                                          int behind) const {
+  const Points3& x = collider.mesh().x;
+  const Collider::Corner& corner = collider.corners()[k];
+  const ClosestPoints near = vertex_to_triangle({row(x, corner.vertex), y[0], y[1], y[2]});
+  FeaturePair m{{-near.weights[1], -near.weights[2], -near.weights[3]},
+                row(x, corner.vertex),
+                -near.apart,
+                near.distance(),
+                FeaturePair::outside};
+  const bool is_within = m.weights[0] > 0 && m.weights[1] > 0 && m.weights[2] > 0;
+  Vector3d inward = Vector3d::Zero();
+  bool out_of_all = is_within;
+  for (const Vector3d& in : corner.inward) {
+    inward += in;
+    out_of_all = out_of_all && leads_out(-m.apart, in);
+  }
+  if (behind > 0) {
+    const bool hangs_over = behind < 3 && corner.border;
+    if (hangs_over && is_within && m.apart.dot(inward - corner.inward.back()) > 0)
+      m.where = FeaturePair::inside;
+    return m;
+  }
+  if (m.apart.dot(inward) < 0) return m;
+  // outside the triangle the contact of a vertex or an edge gives the depth
+  m.where = out_of_all ? FeaturePair::inside : FeaturePair::nearer_to_another;
+  return m;
+}
+
 ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
                                                            const SheetFeature& feature, int k,
                                                            const Points3& y,
                                                            const std::vector<char>& side) const {
-  const Points3& x = collider.mesh().x;
   const auto& v = feature.vertices;
   int behind = 0;
   for (int i = 0; i < feature.corners; ++i) behind += side[v[i]] < 0;
-  const auto leads_out = [](const Vector3d& n, const Vector3d& inward) {
-    return n.dot(inward) <= in_cone * n.norm();
-  };
-  FeaturePair m;
-  bool out_of_all = true;
-  if (feature.corners == 2) {
-    const Collider::Edge& edge = collider.edges()[k];
-    const ClosestPoints near =
-        edge_to_edge({row(y, v[0]), row(y, v[1]), row(x, edge.a), row(x, edge.b)});
-    m = {{near.weights[0], near.weights[1], 0},
-         -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b),
-         near.apart,
-         near.distance(),
-         FeaturePair::outside};
-    const Vector3d along = row(x, edge.b) - row(x, edge.a), first = edge.inward[0],
-                   second = behind == 2 && edge.border ? Vector3d(-edge.inward[1]) : edge.inward[1];
-    // the sheet lies beyond the plane of one face, seen from the other face
-    const auto above = [&](const Vector3d& face, const Vector3d& other) {
-      const Vector3d normal = along.cross(face);
-      return m.apart.dot(normal) * normal.dot(other) < 0;
-    };
-    if (behind == 1) {  // hangs over a border: inside below it
-      const bool below = edge.border && m.apart.dot(first) > 0 && m.weights[0] > 0 &&
-                         m.weights[1] > 0 && near.weights[2] != 0 && near.weights[3] != 0;
-      if (below) m.where = FeaturePair::inside;
-      return m;
-    }
-    if (above(first, second) || above(second, first)) return m;
-    out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second) &&
-                 near.weights[2] != 0 && near.weights[3] != 0;
-  } else {
-    const Collider::Corner& corner = collider.corners()[k];
-    const ClosestPoints near =
-        vertex_to_triangle({row(x, corner.vertex), row(y, v[0]), row(y, v[1]), row(y, v[2])});
-    m = {{-near.weights[1], -near.weights[2], -near.weights[3]},
-         row(x, corner.vertex),
-         -near.apart,
-         near.distance(),
-         FeaturePair::outside};
-    Vector3d inward = Vector3d::Zero();
-    for (const Vector3d& in : corner.inward) {
-      inward += in;
-      out_of_all = out_of_all && leads_out(-m.apart, in);
-    }
-    if (behind > 0 && behind < 3 && corner.border) {  // hangs over the border
-      const Vector3d along_border_excluded = inward - corner.inward.back();
-      if (m.apart.dot(along_border_excluded) > 0 && m.weights[0] > 0 && m.weights[1] > 0 &&
-          m.weights[2] > 0)
-        m.where = FeaturePair::inside;
-      return m;
-    }
-    if (behind > 0 || m.apart.dot(inward) < 0) return m;
-  }
-  // beside the ends of the edge, or outside the triangle, the contact of a vertex gives the depth
-  for (int i = 0; i < feature.corners; ++i) out_of_all = out_of_all && m.weights[i] > 0;
-  m.where = out_of_all ? FeaturePair::inside : FeaturePair::nearer_to_another;
-  return m;
+  if (feature.corners == 2) return edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind);
+  return corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
 }
 
 template <class Visit>

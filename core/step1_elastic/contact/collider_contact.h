@@ -139,6 +139,10 @@ class ColliderContact {
   void for_each_touch(std::size_t c, const Points3& y, Visit) const;
   template <class Visit>
   void touches_of(std::size_t c, const SheetFeature&, const Points3& y, Visit) const;
+  using EdgeEnds = std::array<Vector3d, 2>;
+  using TriangleCorners = std::array<Vector3d, 3>;
+  FeaturePair edge_pair(const Collider&, const EdgeEnds&, int k, int behind) const;
+  FeaturePair corner_pair(const Collider&, const TriangleCorners&, int k, int behind) const;
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
                            const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;

@@ -21,13 +21,8 @@ using test::write;
 class StaleFilesTest : public CommandLine {
  protected:
   void bake_as(const Words& more, const std::string& scene = samples + "/S4_crumple.glb") const {
-    Words words{"bake",        scene,
-                "-o",          output(),
-                "--method",    "fem",
-                "--triangles", "100",
-                "--frames",    "1-2",
-                "--map-size",  "8",
-                "--quality",   "draft"};
+    Words words{"bake", scene,      "-o",  output(),     "--method", "fem",       "--triangles",
+                "100",  "--frames", "1-2", "--map-size", "8",        "--quality", "draft"};
     words.insert(words.end(), more.begin(), more.end());
     ASSERT_EQ(run(words).code, 0);
   }
