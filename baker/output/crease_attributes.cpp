@@ -1,6 +1,8 @@
 #include "baker/output/crease_attributes.h"
 
 #include "core/geometry/curvature.h"
+#include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "formats/maps/fold_width.h"
 
 #include <cmath>
@@ -13,17 +15,6 @@ Eigen::VectorXd rounded(const Eigen::VectorXd& values, double steps) {
   return (values * steps).array().round() / steps;
 }
 
-/// Signed turn of the tensors of a simulated mesh, interpolated to some places of it. [rad]
-Eigen::VectorXd turns_at(const std::vector<MeshPoint>& places, const Triangles& triangles,
-                         const Points3& tensors) {
-  Eigen::VectorXd turns(places.size());
-  for (std::size_t v = 0; v < places.size(); ++v) {
-    const Vector3d t = interpolate(places[v], triangles, tensors);
-    turns[v] = larger_principal(t[0], t[1], t[2]);
-  }
-  return turns;
-}
-
 }  // namespace
 
 CreaseAttributes::CreaseAttributes(const Shot& shot, double fold_width, double fps)
@@ -32,13 +23,49 @@ CreaseAttributes::CreaseAttributes(const Shot& shot, double fold_width, double f
 void CreaseAttributes::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   const Points3 curvature = vertex_curvature(sheet);
-  const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width_);
+  const Eigen::VectorXd width = fold_widths(sheet, fold_width_);
   folds_.push_back({fold_tensors(curvature, width),
                     frame.plastic_curvature.rows() > 0
                         ? fold_tensors(frame.plastic_curvature, width)
                         : Points3(),
-                    sheet.singular.size()});
+                    sharp_edges(sheet, frame.plastic_curvature), sheet.singular.size()});
   singular_ = sheet.singular;  // it only grows
+}
+
+CreaseAttributes::SharpEdges CreaseAttributes::sharp_edges(const Sheet& sheet,
+                                                           const Points3& plastic) {
+  const Hinges hinges = find_hinges(sheet.triangles);
+  SharpEdges edges;
+  edges.now.assign(hinges.of_triangle.size(), {0, 0, 0});
+  edges.plastic = edges.now;
+  for (const SharpFold& fold : sharp_folds(sheet, plastic))
+    for (const int t : hinges.hinges[fold.hinge].triangles)
+      for (int i = 0; i < 3; ++i)
+        if (hinges.of_triangle[t][i] == fold.hinge) {
+          edges.now[t][i] = static_cast<float>(fold.angle);
+          edges.plastic[t][i] = static_cast<float>(fold.plastic);
+        }
+  return edges;
+}
+
+/// Signed turn at the places of the rendered vertices. |places_| [rad]
+Eigen::VectorXd CreaseAttributes::turns(const ShotRecord::Mesh& mesh, const Points3& smooth,
+                                        const std::vector<std::array<float, 3>>& sharp) const {
+  Eigen::VectorXd turns(places_.size());
+  for (std::size_t v = 0; v < places_.size(); ++v) {
+    const MeshPoint& place = places_[v];
+    const Vector3d t = interpolate(place, mesh.triangles, smooth);
+    turns[v] = larger_principal(t[0], t[1], t[2]);
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d a = mesh.pattern.row(mesh.triangles(place.triangle, (i + 1) % 3)),
+                     b = mesh.pattern.row(mesh.triangles(place.triangle, (i + 2) % 3)),
+                     c = mesh.pattern.row(mesh.triangles(place.triangle, i));
+      const double height = std::abs(cross(b - a, c - a)) / (b - a).norm();
+      if (place.weights[i] * height <= 0.5 * fold_width_)
+        turns[v] = larger_turn<double>(turns[v], sharp[place.triangle][i]);
+    }
+  }
+  return turns;
 }
 
 CreaseAttributes::CreaseAngles CreaseAttributes::angles(std::size_t k, const ShotRecord& record,
@@ -53,9 +80,9 @@ CreaseAttributes::CreaseAngles CreaseAttributes::angles(std::size_t k, const Sho
     mesh_ = frame.mesh;
   }
   CreaseAngles found;
-  found.now = turns_at(places_, mesh.triangles, folds_[k].now);
+  found.now = turns(mesh, folds_[k].now, folds_[k].sharp.now);
   if (folds_[k].plastic.rows() > 0)
-    found.plastic = turns_at(places_, mesh.triangles, folds_[k].plastic);
+    found.plastic = turns(mesh, folds_[k].plastic, folds_[k].sharp.plastic);
   return found;
 }
 

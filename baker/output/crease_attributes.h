@@ -4,6 +4,7 @@
 #include "core/render/shot_record.h"
 #include "formats/cache/alembic_cache.h"
 
+#include <array>
 #include <vector>
 
 namespace paperbake {
@@ -31,8 +32,17 @@ class CreaseAttributes {
   std::vector<CacheLayer> at(std::size_t k, const ShotRecord& record, const Points2& pattern);
 
  private:
+  /// The turn about the edge opposite each corner of each triangle, where it is a crease; 0: none.
+  struct SharpEdges {
+    std::vector<std::array<float, 3>> now, plastic;  // |T| [rad]
+  };
+  static SharpEdges sharp_edges(const Sheet&, const Points3& plastic);
+  Eigen::VectorXd turns(const ShotRecord::Mesh&, const Points3& smooth,
+                        const std::vector<std::array<float, 3>>& sharp) const;
   struct SimulatedCreases {
-    Points3 now, plastic;  // |V|x3 [rad] at the vertices of the simulated mesh
+    // |V|x3 [rad] turn of the smooth paper at the vertices of the simulated mesh
+    Points3 now, plastic;
+    SharpEdges sharp;
     std::size_t singular;  // points so far
   };
   struct CreaseAngles {

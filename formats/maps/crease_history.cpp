@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
+#include "formats/maps/pattern_edge.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,21 +62,11 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
     const double turn = std::abs(dihedral_angle(sheet.x, hinge));
     if (turn <= thresholds.angle[0]) continue;
     const auto& v = hinge.vertices;
-    const Vector2d along = at(v[1]) - at(v[0]);
-    const double length = along.norm();
-    // the width that an edge of a mesh of equal triangles stands for; 3/2 of that would be right
-    // where the edges run along the rulings
-    const double wings =
-                     0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
-                 width = 2.0 / 3 * wings / length;
+    const PatternEdge edge(sheet, hinge);
     const bool prescribed = is_folded(sheet, v[0], v[1]);
-    double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * width;
-    if (plastic.rows() > 0 && !prescribed) {
-      const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
-      const Vector2d n(-along.y() / length, along.x() / length);
-      plastic_angle =
-          std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;
-    }
+    double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * edge.width();
+    if (plastic.rows() > 0 && !prescribed)
+      plastic_angle = std::abs(edge.turn_of(0.5 * (plastic.row(v[0]) + plastic.row(v[1]))));
     DetectedCrease crease;
     crease.strength = rise(turn, thresholds.angle) * rise(plastic_angle, thresholds.plastic_angle) *
                       std::min(1.0, turn / thresholds.full_angle);

@@ -30,13 +30,14 @@ struct CreaseMap::State {
 CreaseMap::CreaseMap(const Pattern& pattern, const CreaseMapOptions& options) {
   assert(options.size >= 1);
   const double side = longer_side(pattern);
-  state_ = std::make_unique<State>(
-      State{pattern, options, FoldPeak(loops_of(pattern), side, options.size), {}});
+  state_ = std::make_unique<State>(State{
+      pattern, options, FoldPeak(loops_of(pattern), {side, options.fold_width}, options.size), {}});
   MapScene& scene = state_->scene;
   scene.size = options.size;
   scene.side = side;
   scene.diagonal = extent(pattern).norm();
   scene.crease_width = options.crease_width;
+  scene.fold_width = options.fold_width;
   scene.loops = loops_of(pattern);
   for (auto& loop : scene.loops)
     for (Vector2d& p : loop) p = to_texels(p, side, options.size);

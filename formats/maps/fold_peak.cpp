@@ -22,14 +22,15 @@ GridNeighbours grid_neighbours(int i, int fine, int coarse) {
 
 }  // namespace
 
-FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size)
-    : side_(side),
+FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, const FoldScale& scale,
+                   int size)
+    : scale_(scale),
       rows_{std::min(size, max_texels), 0, std::min(size, max_texels)},
       loops_(loops),
       bulge_(rows_.count() + TexelRow<3>::longest, 0.0f),
       hollow_(rows_.count() + TexelRow<3>::longest, 0.0f) {
   for (auto& loop : loops_)
-    for (Vector2d& p : loop) p = to_texels(p, side, rows_.size);
+    for (Vector2d& p : loop) p = to_texels(p, scale.side, rows_.size);
   for (int first = 0; first < rows_.size; first += band_rows) {
     const MapRows band{rows_.size, first, std::min(first + band_rows, rows_.size)};
     bands_.push_back({band, wanted_texels(loops_, area_coverage(loops_, band), band)});
@@ -58,7 +59,15 @@ void FoldPeak::record(const MapFields& fields) {
         hollow[i] = std::max(hollow[i], down);
       }
     };
-    for_each_texel_row<of_fold, 3>(fields, side_, loops_, band.rows, band.wanted, take);
+    for_each_sharp_texel(fields, scale_, band.rows,
+                         [&](int i, int row, const SharpFold& fold, float covered) {
+                           const int k = rows_.index(i, row);
+                           const float turn = static_cast<float>(fold.angle) * covered;
+                           if (!band.wanted[band.rows.index(i, row)]) return;
+                           bulge_[k] = std::max(bulge_[k], turn);
+                           hollow_[k] = std::max(hollow_[k], -turn);
+                         });
+    for_each_texel_row<of_fold, 3>(fields, scale_.side, loops_, band.rows, band.wanted, take);
   }
 }
 

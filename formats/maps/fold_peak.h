@@ -10,9 +10,8 @@ namespace paperbake {
 class FoldPeak {
  public:
   /// loops  corners of the pattern's outline and holes [m]
-  /// side   longer side of the pattern [m]
   /// size   texels on a side of the maps
-  FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size);
+  FoldPeak(const std::vector<std::vector<Vector2d>>& loops, const FoldScale&, int size);
 
   /// Takes a frame into account.
   void record(const MapFields&);
@@ -21,7 +20,7 @@ class FoldPeak {
   std::vector<float> peaks(const MapRows&) const;
 
  private:
-  double side_;
+  FoldScale scale_;
   MapRows rows_;
   std::vector<std::vector<Vector2d>> loops_;  // [texel]
   struct Band {                               // rows of the grid that stay in the cache together

@@ -1,47 +1,15 @@
 #include "formats/maps/fold_width.h"
 
-#include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
-#include "core/model/segment2.h"
 #include "core/render/curved_surface.h"
+#include "formats/maps/pattern_edge.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace paperbake {
-namespace {
 
-/// For each vertex the area of its one-ring, and how far that reaches from the vertex in both
-/// directions of a line.
-struct OneRings {
-  Eigen::VectorXd area;
-  Eigen::Array<double, Eigen::Dynamic, 2>
-      reach;  // [m] 0 where the line leaves the sheet at the vertex
-};
-OneRings one_rings_along(const Sheet& sheet, const Points2& line) {
-  const Eigen::Index vertices = sheet.pattern.rows();
-  OneRings rings{Eigen::VectorXd::Zero(vertices),
-                 Eigen::Array<double, Eigen::Dynamic, 2>::Zero(vertices, 2)};
-  for (Eigen::Index t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int v = sheet.triangles(t, i);
-      const Vector2d p = sheet.pattern.row(sheet.triangles(t, (i + 1) % 3)) - sheet.pattern.row(v);
-      const Vector2d q = sheet.pattern.row(sheet.triangles(t, (i + 2) % 3)) - sheet.pattern.row(v);
-      // the tolerance puts a line along an edge into both triangles
-      const double doubled = cross(p, q), rounding = -1e-6 * std::sqrt(std::abs(doubled));
-      rings.area[v] += 0.5 * doubled;
-      for (const int side : {0, 1}) {
-        const Vector2d along = (side == 0 ? 1.0 : -1.0) * line.row(v).transpose();
-        const double left = cross(p, along), right = cross(along, q);
-        if (left < rounding || right < rounding || left + right <= 0) continue;
-        rings.reach(v, side) = std::max(rings.reach(v, side), doubled / (left + right));
-      }
-    }
-  return rings;
-}
-
-}  // namespace
-
-Eigen::VectorXd fold_widths(const Sheet& sheet, const Points3& curvature, double fold_width) {
+Eigen::VectorXd fold_widths(const Sheet& sheet, double fold_width) {
   const Eigen::Index vertices = sheet.pattern.rows();
   Eigen::VectorXd folded = Eigen::VectorXd::Zero(vertices), creased = folded;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
@@ -54,20 +22,28 @@ Eigen::VectorXd fold_widths(const Sheet& sheet, const Points3& curvature, double
       creased[v[k]] += share * size * crease_share(turn);
     }
   }
-  Points2 line(vertices, 2);
-  for (Eigen::Index v = 0; v < vertices; ++v) {
-    const Vector2d across = principal_curvature(curvature.row(v)).across;
-    line.row(v) << -across.y(), across.x();
-  }
-  const OneRings rings = one_rings_along(sheet, line);
   Eigen::VectorXd width = Eigen::VectorXd::Constant(vertices, fold_width);
-  for (Eigen::Index v = 0; v < vertices; ++v) {
-    const double length = rings.reach.row(v).sum();
-    if (creased[v] <= 0 || length <= 0) continue;
-    const double share = creased[v] / folded[v];
-    width[v] += share * (rings.area[v] / length - fold_width);
-  }
+  for (Eigen::Index v = 0; v < vertices; ++v)
+    if (creased[v] > 0) width[v] *= 1 - creased[v] / folded[v];
   return width;
+}
+
+std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Points3& plastic) {
+  const std::vector<Hinge> hinges = find_hinges(sheet.triangles).hinges;
+  std::vector<SharpFold> folds;
+  for (std::size_t h = 0; h < hinges.size(); ++h) {
+    const auto& v = hinges[h].vertices;
+    const double turn = dihedral_angle(sheet.x, hinges[h]), share = crease_share(turn);
+    if (share == 0) continue;
+    SharpFold fold{static_cast<int>(h), {v[0], v[1]}, share * turn};
+    if (plastic.rows() > 0) {
+      const PatternEdge edge(sheet, hinges[h]);
+      const double kept = edge.turn_of(0.5 * (plastic.row(v[0]) + plastic.row(v[1])));
+      fold.plastic = share * std::clamp(kept, -max_fold_angle, max_fold_angle);
+    }
+    folds.push_back(fold);
+  }
+  return folds;
 }
 
 Points3 fold_tensors(const Points3& curvature, const Eigen::VectorXd& width) {

@@ -4,31 +4,45 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace paperbake {
 
 /// [rad] a fold cannot turn farther than this in either direction: it is shut then
 inline constexpr double max_fold_angle = 3.14159265358979323846;
 
-/// The width by which the curvature at each vertex has to be multiplied to give the angle of a
-/// fold:
+/// The width by which the curvature at each vertex has to be multiplied to give the turn of the
+/// smooth paper there across a width w:
 ///
-///   w_v = (1 - s_v) w + s_v A_v / L_v
+///   w_v = (1 - s_v) w
 ///
-/// w    for rolled paper: the angle is the turn across this width, whatever the mesh
-/// A/L  for a crease: a mesh folds sharply along a line, and core/geometry/curvature spreads that
-///      over the one-ring of a vertex, which has area A_v and length L_v along the ruling there.
-///      Curvature times A/L gives the dihedral angle back, however coarse the mesh is: within an
-///      eighth on a mesh whose inner vertices are displaced by a fifth of an edge, and the sum of
-///      the angles where several creases cross the ring
-/// s_v  [0, 1] fraction of the folding in the ring that is due to creases (crease_share of
-///      core/render/curved_surface, weighted by length x angle)
+/// s_v  [0, 1] fraction of the folding in the one-ring that is due to creases (crease_share of
+///      core/render/curved_surface, weighted by length x angle): core/geometry/curvature spreads a
+///      crease over the one-rings of its ends, whose size is that of the mesh. Creases are
+///      sharp_folds().
 ///
-/// curvature   |V|x3 [1/m], of core/geometry/curvature
 /// fold_width  w [m]
 /// returns     |V| [m]
-Eigen::VectorXd fold_widths(const Sheet&, const Points3& curvature, double fold_width);
+Eigen::VectorXd fold_widths(const Sheet&, double fold_width);
+
+/// An edge of the mesh that is a crease in this frame.
+struct SharpFold {
+  int hinge;  // of find_hinges()
+  std::array<int, 2> ends;
+  double angle;        // [rad] crease_share x dihedral angle: it fades in as the paper is folded
+  double plastic = 0;  // [rad] of that, what the paper keeps; 0 without plasticity
+};
+/// plastic  |V|x3 [1/m] curvature, or empty for none
+std::vector<SharpFold> sharp_folds(const Sheet&, const Points3& plastic);
+
+/// [rad] The turn of a sheet across one fold width where it turns smoothly by the first and on a
+/// crease by the second.
+template <class Real>
+Real larger_turn(Real smooth, Real sharp) {
+  return std::abs(sharp) > std::abs(smooth) ? sharp : smooth;
+}
 
 /// Tensors of fold angles at the vertices: curvature x width, scaled down where a principal value
 /// exceeds `max_fold_angle`. |V|x3 [rad] Fxx, Fxy, Fyy

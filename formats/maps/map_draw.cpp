@@ -22,8 +22,6 @@ constexpr float curved_range[2] = {0.18f, 0.3f};
 // [1] |k2 / k1| over which B falls to 0, since the paper bends in both directions
 constexpr float one_way_range[2] = {0.5f, 0.7f};
 constexpr float isotropic = 0.02f;  // [1] |k1 - k2| / |k1| below which a bowl has no ruling
-// [texel] of a line or disc: a thinner one would be lost between the centres of texels
-constexpr double min_radius = 0.75;
 // [texel] how far age.crease reaches beyond R: a filtered lookup where R is drawn must not meet -1
 constexpr double age_margin = 1.5;
 // [texel] side of the blocks that share one list of near apices
@@ -35,12 +33,6 @@ float rounded(float value, float step) { return std::nearbyint(value / step) * s
 /// [m] 1/4 to 1/2 texel; a power of two, so that the last bits of a rounded number are zeros.
 float distance_step(double texel_size) {
   return static_cast<float>(std::exp2(std::floor(std::log2(texel_size / 2))));
-}
-
-/// [0, 1] part of a texel that a line or disc of this radius covers, taking its border there as
-/// straight. radius, distance [texel]
-double cover(double radius, double distance) {
-  return std::clamp(radius + 0.5 - distance, 0.0, 1.0);
 }
 
 /// max(0, value), from which the compiler makes no branch.
@@ -109,6 +101,22 @@ void draw_shape(const MapScene& scene, const TexelRow<12>& row, MapTexel* texels
   }
 }
 
+/// Draws the creases of this frame into fold.angle and fold.plastic: on one fold width.
+void draw_sharp_folds(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
+                      MapTexel* texels) {
+  for_each_sharp_texel(scene.fields, {scene.side, scene.fold_width}, rows,
+                       [&](int i, int row, const SharpFold& fold, float covered) {
+                         if (!wanted[rows.index(i, row)]) return;
+                         MapTexel& texel = texels[rows.index(i, row)];
+                         const auto drawn = [&](double turn) {
+                           return rounded(static_cast<float>(turn) * covered, angle_step);
+                         };
+                         texel.fold_angle = larger_turn<float>(texel.fold_angle, drawn(fold.angle));
+                         texel.fold_plastic =
+                             larger_turn<float>(texel.fold_plastic, drawn(fold.plastic));
+                       });
+}
+
 /// Sets fold.peak: interpolated on the grid of FoldPeak, or fold.angle where that is larger now.
 void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                 MapTexel* texels) {
@@ -124,7 +132,7 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
 void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                   MapTexel* texels) {
   const double texel_size = scene.side / rows.size,
-               radius = std::max(min_radius, 0.5 * scene.crease_width / texel_size);
+               radius = std::max(min_line_radius, 0.5 * scene.crease_width / texel_size);
   for (const DetectedCrease& crease : scene.creases) {
     Vector2d from = to_texels(crease.from, scene.side, rows.size),
              to = to_texels(crease.to, scene.side, rows.size);
@@ -191,7 +199,7 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
                  MapTexel* texels) {
   if (scene.apices.empty()) return;
   const double texel_size = scene.side / rows.size,
-               radius = std::max(min_radius, scene.crease_width / texel_size);
+               radius = std::max(min_line_radius, scene.crease_width / texel_size);
   const float step = distance_step(texel_size);
   std::vector<Vector2d> at;
   std::vector<ApexLayers> of_apex;
@@ -256,6 +264,7 @@ void draw_map(const MapScene& scene, const MapRows& rows, MapTexel* texels) {
   if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return;
   for_each_texel_row<0, 12>(scene.fields, scene.side, scene.loops, rows, wanted,
                             [&](const TexelRow<12>& row) { draw_shape(scene, row, texels); });
+  draw_sharp_folds(scene, rows, wanted, texels);
   draw_peaks(scene, rows, wanted, texels);
   draw_creases(scene, rows, wanted, texels);
   draw_apices(scene, rows, wanted, texels);

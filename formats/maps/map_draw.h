@@ -21,7 +21,7 @@ std::vector<MapApex> map_apices(const Sheet&);
 struct MapScene {
   int size;                                  // texels on a side
   double side, diagonal;                     // [m] of the pattern
-  double crease_width;                       // [m]
+  double crease_width, fold_width;           // [m]
   std::vector<std::vector<Vector2d>> loops;  // [texel] corners of the pattern
   MapFields fields;
   std::vector<DetectedCrease> creases;

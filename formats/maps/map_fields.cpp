@@ -2,7 +2,6 @@
 
 #include "core/geometry/hinges.h"
 #include "core/model/segment2.h"
-#include "formats/maps/fold_width.h"
 
 #include <limits>
 
@@ -48,8 +47,9 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
   MapFields fields{sheet.pattern,
                    sheet.triangles,
                    std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()),
+                   sharp_folds(sheet, plastic),
                    {}};
-  const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width);
+  const Eigen::VectorXd width = fold_widths(sheet, fold_width);
   const Points3 fold = fold_tensors(curvature, width),
                 plastic_fold = plastic.rows() > 0 ? fold_tensors(plastic, width) : Points3();
   std::vector<double> area_around(sheet.pattern.rows(), 0.0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "formats/maps/fold_width.h"
 #include "formats/maps/map_raster.h"
 
 #include <utility>
@@ -8,8 +9,8 @@
 namespace paperbake {
 
 /// The quantities of a sheet's shape that a map shows, at one place: four tensors Sxx, Sxy, Syy
-/// each, the curvature [1/m], the fold angle [rad], the plastic fold angle [rad], and Green strain
-/// [1].
+/// each, the curvature [1/m], the turn of the smooth paper [rad], that of its plastic curvature
+/// [rad], and Green strain [1].
 using Fields = Eigen::Array<double, 12, 1>;
 inline constexpr int of_curvature = 0, of_fold = 3, of_plastic_fold = 6, of_strain = 9;
 
@@ -17,7 +18,8 @@ inline constexpr int of_curvature = 0, of_fold = 3, of_plastic_fold = 6, of_stra
 struct MapFields {
   Points2 pattern;  // |V|x2 [m]
   Triangles triangles;
-  std::vector<Fields> of_vertex;            // |V|
+  std::vector<Fields> of_vertex;  // |V|
+  std::vector<SharpFold> sharp;
   std::vector<std::pair<int, int>> border;  // ends of the edges with one triangle
 };
 
@@ -58,6 +60,32 @@ struct TexelRow {
   /// which mean nothing. Loops over them have no rest that is done texel by texel.
   int padded() const { return (texels + 7) / 8 * 8; }
 };
+
+// [texel] of a line or disc: a thinner one would be lost between the centres of texels
+inline constexpr double min_line_radius = 0.75;
+
+/// [0, 1] part of a texel that a line or disc of this radius covers, taking its border there as
+/// straight. radius, distance [texel]
+inline double cover(double radius, double distance) {
+  return std::clamp(radius + 0.5 - distance, 0.0, 1.0);
+}
+
+struct FoldScale {
+  double side, fold_width;  // [m] longer side of the pattern; see fold_width.h
+};
+/// Calls texel(i, row, SharpFold, covered) for every texel of the rows that is within half a fold
+/// width of a crease of this frame; covered: [0, 1] which part of it.
+template <class Texel>
+void for_each_sharp_texel(const MapFields& fields, const FoldScale& scale, const MapRows& rows,
+                          const Texel& texel) {
+  const double radius = std::max(min_line_radius, 0.5 * scale.fold_width / scale.side * rows.size);
+  const auto at = [&](int v) { return to_texels(fields.pattern.row(v), scale.side, rows.size); };
+  for (const SharpFold& fold : fields.sharp)
+    for_each_near_segment(at(fold.ends[0]), at(fold.ends[1]), radius + 0.5, rows,
+                          [&](int i, int row, double distance, double) {
+                            texel(i, row, fold, static_cast<float>(cover(radius, distance)));
+                          });
+}
 
 /// Calls texel_row(TexelRow<count>) so that every wanted texel of the rows is in one of them once
 /// where its `wanted` is 1, with the fields first ... first + count - 1 at its centre, interpolated

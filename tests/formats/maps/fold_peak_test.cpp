@@ -9,7 +9,7 @@ namespace {
 
 TEST(FoldPeak, KeepsTheLargestAngleWithItsSignAndNeverLess) {
   const Sheet sheet = test::flat_sheet(0.1, 0.1, 0.01);
-  FoldPeak peak({test::rectangle(0.1, 0.1).outline}, 0.1, 2048);
+  FoldPeak peak({test::rectangle(0.1, 0.1).outline}, {0.1, test::fold_width}, 2048);
   std::vector<float> last(2048, 0.0f);
   for (const double k : {20.0, -90.0, 50.0, 0.0, 100.0}) {
     peak.record(map_fields(sheet, test::tensors(sheet, [k](Vector2d p) { return k * (1 + p.x()); }),

@@ -27,43 +27,42 @@ Sheet folded_grid(double edge, double angle, double jitter) {
   return sheet;
 }
 
-double largest(const Points3& folds, double& smallest_on_fold, const Sheet& sheet) {
-  double most = 0;
-  smallest_on_fold = 10;
-  for (int v = 0; v < folds.rows(); ++v) {
-    const double turn = larger_principal(folds(v, 0), folds(v, 1), folds(v, 2));
-    most = std::max(most, std::abs(turn));
-    const bool inner = sheet.pattern(v, 1) > 1e-9 && sheet.pattern(v, 1) < 0.1 - 1e-9;
-    if (inner && std::abs(sheet.pattern(v, 0) - 0.05) < 1e-9)
-      smallest_on_fold = std::min(smallest_on_fold, std::abs(turn));
-  }
-  return most;
-}
-
 TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
   for (const double edge : {0.0025, 0.01, 0.025})
     for (const double jitter : {0.0, 0.2})
       for (const double angle : {1.0, -1.6, 2.8}) {
         const Sheet sheet = folded_grid(edge, angle, jitter);
-        const Points3 curvature = vertex_curvature(sheet);
-        double least;
-        const double most =
-            largest(fold_tensors(curvature, fold_widths(sheet, curvature, 0.006)), least, sheet);
-        // exact for a fold straight through regular one-rings; core/geometry/curvature treats
-        // irregular ones as if they were round
-        EXPECT_NEAR(least, std::abs(angle), (jitter > 0 ? 0.12 : 0.02) * std::abs(angle))
-            << edge << ' ' << jitter << ' ' << angle;
-        EXPECT_LE(most, (jitter > 0 ? 1.25 : 1.1) * std::abs(angle))
-            << edge << ' ' << jitter << ' ' << angle;
+        double length = 0;  // [m] of the fold
+        for (const SharpFold& fold : sharp_folds(sheet, {})) {
+          EXPECT_NEAR(fold.angle, angle, 1e-9) << edge << ' ' << jitter << ' ' << angle;
+          EXPECT_EQ(fold.plastic, 0);
+          length += std::abs(sheet.pattern(fold.ends[0], 1) - sheet.pattern(fold.ends[1], 1));
+          for (const int end : fold.ends) EXPECT_NEAR(sheet.pattern(end, 0), 0.05, 1e-9);
+        }
+        EXPECT_NEAR(length, 0.1, 1e-9);
+        // the paper beside it is flat: what curvature spreads over the one-rings is not a turn, but
+        // for what it leaves beyond those that are irregular
+        const Points3 smooth = fold_tensors(vertex_curvature(sheet), fold_widths(sheet, 0.006));
+        EXPECT_LT(smooth.cwiseAbs().maxCoeff(), 0.01 * std::abs(angle));
       }
+}
+
+TEST(FoldWidth, ACreaseKeepsTheTurnOfItsPlasticCurvature) {
+  const Sheet sheet = folded_grid(0.01, 1.0, 0);
+  Points3 plastic = Points3::Zero(sheet.pattern.rows(), 3);
+  plastic.col(0).setConstant(30);
+  for (const SharpFold& fold : sharp_folds(sheet, plastic)) {
+    EXPECT_GT(fold.plastic, 0.1);
+    EXPECT_LT(fold.plastic, 30 * 0.01 * 1.01);
+  }
 }
 
 TEST(FoldWidth, RolledPaperTurnsByItsCurvatureWhateverTheMesh) {
   for (const double edge : {0.0025, 0.01}) {
     // dihedral angles of 0.25 rad at most are not creases
     const Sheet sheet = test::rolled(test::flat_sheet(0.1, 0.1, edge), 25);
-    const Points3 curvature = vertex_curvature(sheet);
-    const Eigen::VectorXd width = fold_widths(sheet, curvature, 0.006);
+    EXPECT_TRUE(sharp_folds(sheet, {}).empty());
+    const Eigen::VectorXd width = fold_widths(sheet, 0.006);
     EXPECT_EQ(width.minCoeff(), 0.006);
     EXPECT_EQ(width.maxCoeff(), 0.006);
   }
