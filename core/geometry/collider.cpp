@@ -324,12 +324,11 @@ int Collider::side_of(const Vector3d& p, double within) const {
   return !closed_ && nearest(p, within, 1).distance < -depth_ ? -1 : 1;
 }
 
-int Collider::side_of(const Vector3d& p, const Vector3d& known) const {
+int Collider::side_of(const Vector3d& p, const Vector3d& known, double within) const {
   constexpr double pressed = 1e-4;  // [m] less deep behind the front it need not have come round
   if (closed_) return 1;
   if (const int side = passes_through(known, p); side != 0) return side;
-  const double reach = (p - known).norm() + 4 * depth_;
-  return nearest(p, reach, 1).distance < -pressed ? -1 : side_of(known, reach);
+  return nearest(p, within, 1).distance < -pressed ? -1 : side_of(known, within);
 }
 
 int Collider::passes_through(const Vector3d& p, const Vector3d& q) const {
@@ -470,7 +469,7 @@ double push_out(const ColliderShapes& colliders, const Points3& known, double cl
     const Collider& collider = *shape;
     for (int v = 0; v < x.rows(); ++v) {
       const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
-      const int side = collider.side_of(row(x, v), row(known, v));
+      const int side = collider.side_of(row(x, v), row(known, v), range + 3 * collider.depth());
       for (int k = 0; k < to_and_fro; ++k) {
         const SurfacePoint near = collider.nearest(row(x, v), range + clearance, side);
         if (!(near.distance < clearance)) break;

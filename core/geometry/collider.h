@@ -105,7 +105,7 @@ class Collider {
   int side_of(const Vector3d& p, double within) const;
   /// The same for a point near one that is outside, from which it has come in a straight line: it
   /// has not come round the border if it has passed through the mesh.
-  int side_of(const Vector3d& p, const Vector3d& known) const;
+  int side_of(const Vector3d& p, const Vector3d& known, double within) const;
 
  private:
   /// A bounding-box tree: the items are halved at the median along the longest side of their box.

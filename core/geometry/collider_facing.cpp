@@ -17,6 +17,17 @@ ColliderMesh::PaperSide side_of(const Collider& solid, const Points3& x) {
   return ColliderMesh::PaperSide::inside;
 }
 
+/// [m2] The area of the mesh as seen from above, less what faces downwards.
+double upward_area(const ColliderMesh& mesh) {
+  double doubled = 0;
+  for (int t = 0; t < mesh.triangles.rows(); ++t) {
+    const Vector3d a = mesh.x.row(mesh.triangles(t, 0)), b = mesh.x.row(mesh.triangles(t, 1)),
+                   c = mesh.x.row(mesh.triangles(t, 2));
+    doubled += (b - a).cross(c - a).z();
+  }
+  return 0.5 * doubled;
+}
+
 }  // namespace
 
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
@@ -40,13 +51,8 @@ void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const P
     };
     int front = votes(x);
     if (front == 0) front = votes(keyed);
-    if (front == 0)
-      for (int t = 0; t < mesh.triangles.rows(); ++t) {
-        const Vector3d a = mesh.x.row(mesh.triangles(t, 0)), b = mesh.x.row(mesh.triangles(t, 1)),
-                       c = mesh.x.row(mesh.triangles(t, 2));
-        front += (b - a).cross(c - a).z() < 0 ? -1 : 1;
-      }
-    if (front < 0) mesh.triangles.col(1).swap(mesh.triangles.col(2));
+    if (front < 0 || (front == 0 && upward_area(mesh) < 0))
+      mesh.triangles.col(1).swap(mesh.triangles.col(2));
   }
 }
 

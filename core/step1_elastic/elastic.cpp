@@ -314,8 +314,7 @@ ColliderClearance::ColliderClearance(std::shared_ptr<const Colliders> colliders,
     : contact_(std::make_unique<ColliderContact>(std::move(colliders), triangles,
                                                  static_cast<int>(outside.rows()))) {
   contact_->begin(outside, {shapes, shapes}, {});
-  Points3 moved = outside;
-  begins_inside_ = contact_->push_out(std::vector<char>(outside.rows(), 0), moved);
+  begins_inside_ = contact_->cut_by_open(outside);
 }
 
 ColliderClearance::~ColliderClearance() = default;

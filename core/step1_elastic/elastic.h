@@ -283,7 +283,7 @@ class ColliderClearance {
                     const Triangles&, const Points3& outside);
   ~ColliderClearance();
 
-  /// [m] Depth of the deepest contact point where it begins.
+  /// [m] How deep it has been cut by open colliders where it begins: it has been jammed there.
   double begins_inside() const { return begins_inside_; }
 
   /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its

@@ -545,10 +545,18 @@ int ColliderContact::touching(const Points3& y) {
 
 /// Finds out who has come round the border of an open collider, in a straight line from the start.
 void ColliderContact::find_sides(const Points3& y) {
-  for (std::size_t c = 0; c < states_.size(); ++c)
-    if (!collider(c).closed())
-      for (int v = 0; v < y.rows(); ++v)
-        states_[c].side[v] = static_cast<char>(collider(c).side_of(row(y, v), row(start_, v)));
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    if (collider(c).closed()) continue;
+    double farthest = max_row_norm(y - start_);  // [m] of a corner from what touches its feature
+    for (const SheetFeature& feature : states_[c].features)
+      if (feature.corners == 2)
+        farthest =
+            std::max(farthest, (y.row(feature.vertices[0]) - y.row(feature.vertices[1])).norm());
+    const double within = farthest + 4 * collider(c).depth();
+    for (int v = 0; v < y.rows(); ++v)
+      states_[c].side[v] =
+          static_cast<char>(collider(c).side_of(row(y, v), row(start_, v), within));
+  }
 }
 
 double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
@@ -580,12 +588,24 @@ double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
 
 double ColliderContact::inside(const Points3& y) {
   double deepest = 0;
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    refresh(c, y);
-    for (const int k : states_[c].close)
-      touches_of(c, states_[c].features[k], y,
-                 [&](const ContactPoint& t) { deepest = std::max(deepest, -t.distance); });
-  }
+  for (std::size_t c = 0; c < states_.size(); ++c) deepest = std::max(deepest, inside(c, y));
+  return deepest;
+}
+
+double ColliderContact::cut_by_open(const Points3& y) {
+  find_sides(y);
+  double deepest = 0;
+  for (std::size_t c = 0; c < states_.size(); ++c)
+    if (!collider(c).closed()) deepest = std::max(deepest, inside(c, y));
+  return deepest;
+}
+
+double ColliderContact::inside(std::size_t c, const Points3& y) {
+  double deepest = 0;
+  refresh(c, y);
+  for (const int k : states_[c].close)
+    touches_of(c, states_[c].features[k], y,
+               [&](const ContactPoint& t) { deepest = std::max(deepest, -t.distance); });
   return deepest;
 }
 

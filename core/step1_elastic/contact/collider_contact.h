@@ -82,6 +82,9 @@ class ColliderContact {
 
   int touching(const Points3& y);   // number of active contacts
   double inside(const Points3& y);  // [m] depth of the deepest contact point; 0: none is inside
+  /// [m] The same for open colliders, of a sheet that has come in a straight line from where the
+  /// step begins.
+  double cut_by_open(const Points3& y);
 
  private:
   struct SheetFeature {  // a vertex, an edge or a triangle of the sheet
@@ -128,6 +131,7 @@ class ColliderContact {
   void refresh(std::size_t c, const Points3& y);
   void find_candidates(std::size_t c, SheetFeature&) const;
   void find_sides(const Points3& y);
+  double inside(std::size_t c, const Points3& y);
   const Collider& collider(std::size_t c) const { return *motion_.to[c]; }  // at the end
   /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
   Points3 carried_by(std::size_t c, const Points3& x) const;
