@@ -28,17 +28,18 @@ void CreaseAttributes::add(const AnimatedFrame& frame) {
                     frame.plastic_curvature.rows() > 0
                         ? fold_tensors(frame.plastic_curvature, width)
                         : Points3(),
-                    sharp_edges(sheet, frame.plastic_curvature), sheet.singular.size()});
+                    sharp_edges(sheet, curvature, frame.plastic_curvature), sheet.singular.size()});
   singular_ = sheet.singular;  // it only grows
 }
 
 CreaseAttributes::SharpEdges CreaseAttributes::sharp_edges(const Sheet& sheet,
+                                                           const Points3& curvature,
                                                            const Points3& plastic) {
   const Hinges hinges = find_hinges(sheet.triangles);
   SharpEdges edges;
   edges.now.assign(hinges.of_triangle.size(), {0, 0, 0});
   edges.plastic = edges.now;
-  for (const SharpFold& fold : sharp_folds(sheet, plastic))
+  for (const SharpFold& fold : sharp_folds(sheet, curvature, plastic))
     for (const int t : hinges.hinges[fold.hinge].triangles)
       for (int i = 0; i < 3; ++i)
         if (hinges.of_triangle[t][i] == fold.hinge) {

@@ -36,7 +36,7 @@ class CreaseAttributes {
   struct SharpEdges {
     std::vector<std::array<float, 3>> now, plastic;  // |T| [rad]
   };
-  static SharpEdges sharp_edges(const Sheet&, const Points3& plastic);
+  static SharpEdges sharp_edges(const Sheet&, const Points3& curvature, const Points3& plastic);
   Eigen::VectorXd turns(const ShotRecord::Mesh&, const Points3& smooth,
                         const std::vector<std::array<float, 3>>& sharp) const;
   struct SimulatedCreases {

@@ -38,12 +38,11 @@ struct CreaseMapOptions {
 ///                and below 0.5
 ///   A            [0, 1] coverage: the exact part of the texel that lies in the pattern. R, G and B
 ///                are not premultiplied by it
-///   fold.angle   [rad]  signed turn of the sheet in this frame, in [-pi, pi], > 0 where it bulges
-///                towards its normal. On a crease of the mesh it is the dihedral angle and falls to
-///                0 where the mesh beside it is flat; where paper is rolled it is the turn across
-///                one foldWidth: principal curvature of larger magnitude x foldWidth. Computed at
-///                the vertices, with a transition between the two (fold_width.h); tensors are
-///                interpolated
+///   fold.angle   [rad]  signed turn of the sheet in this frame across one foldWidth, in [-pi, pi],
+///                > 0 where it bulges towards its normal. Within half a foldWidth of a crease of
+///                the mesh it is the dihedral angle; where paper is rolled it is the principal
+///                curvature of larger magnitude x foldWidth, of tensors that are interpolated
+///                between vertices. A crease fades in from 0.4 to 0.8 rad (fold_width.h)
 ///   fold.plastic [rad]  the same for the plastic curvature, which would remain if the paper were
 ///                released; 0 without plasticity
 ///   fold.peak    [rad]  the fold.angle of largest magnitude so far, with its sign; never smaller

@@ -28,7 +28,8 @@ Eigen::VectorXd fold_widths(const Sheet& sheet, double fold_width) {
   return width;
 }
 
-std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Points3& plastic) {
+std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Points3& curvature,
+                                   const Points3& plastic) {
   const std::vector<Hinge> hinges = find_hinges(sheet.triangles).hinges;
   std::vector<SharpFold> folds;
   for (std::size_t h = 0; h < hinges.size(); ++h) {
@@ -38,8 +39,12 @@ std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Points3& plastic) {
     SharpFold fold{static_cast<int>(h), {v[0], v[1]}, share * turn};
     if (plastic.rows() > 0) {
       const PatternEdge edge(sheet, hinges[h]);
-      const double kept = edge.turn_of(0.5 * (plastic.row(v[0]) + plastic.row(v[1])));
-      fold.plastic = share * std::clamp(kept, -max_fold_angle, max_fold_angle);
+      const auto turn_of = [&](const Points3& S) {
+        return edge.turn_of(0.5 * (S.row(v[0]) + S.row(v[1])));
+      };
+      const double kept = turn * turn_of(plastic) / turn_of(curvature);
+      if (std::isfinite(kept))
+        fold.plastic = share * std::clamp(kept, -max_fold_angle, max_fold_angle);
     }
     folds.push_back(fold);
   }

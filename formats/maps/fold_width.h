@@ -34,8 +34,10 @@ struct SharpFold {
   double angle;        // [rad] crease_share x dihedral angle: it fades in as the paper is folded
   double plastic = 0;  // [rad] of that, what the paper keeps; 0 without plasticity
 };
-/// plastic  |V|x3 [1/m] curvature, or empty for none
-std::vector<SharpFold> sharp_folds(const Sheet&, const Points3& plastic);
+/// curvature  |V|x3 [1/m], of core/geometry/curvature
+/// plastic    |V|x3 [1/m] of that, or empty for none. Both are spread over the same one-rings, so
+///            that the paper keeps as much of the angle as of the curvature across the edge
+std::vector<SharpFold> sharp_folds(const Sheet&, const Points3& curvature, const Points3& plastic);
 
 /// [rad] The turn of a sheet across one fold width where it turns smoothly by the first and on a
 /// crease by the second.

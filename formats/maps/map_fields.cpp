@@ -47,7 +47,7 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
   MapFields fields{sheet.pattern,
                    sheet.triangles,
                    std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()),
-                   sharp_folds(sheet, plastic),
+                   sharp_folds(sheet, curvature, plastic),
                    {}};
   const Eigen::VectorXd width = fold_widths(sheet, fold_width);
   const Points3 fold = fold_tensors(curvature, width),
