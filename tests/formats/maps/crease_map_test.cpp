@@ -40,6 +40,28 @@ TEST(CreaseMap, ACylinderTurnsByTheFoldWidthOverItsRadius) {
   }
 }
 
+TEST(CreaseMap, AFacetBetweenTwoCreasesIsFlatHoweverLargeItIs) {
+  // every vertex of the middle facets lies on a crease
+  CreaseMap map(rectangle(0.12, 0.12), of_size(120));
+  Sheet sheet = flat_sheet(0.12, 0.12, 0.04);
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double s = sheet.pattern(v, 0);
+    sheet.x(v, 0) = std::clamp(s, 0.04, 0.08);
+    sheet.x(v, 2) = std::min(s, 0.04) + 0.04 - std::max(s, 0.08);
+  }
+  map.record(1, sheet, vertex_curvature(sheet), 0.25 * vertex_curvature(sheet));
+  const Image image = written(map);
+  for (int j = 5; j < 115; ++j) {
+    for (const int i : {39, 40, 79, 80}) {
+      ASSERT_NEAR(image.at(i, j).fold_angle, M_PI / 2, angle_step) << i << ' ' << j;
+      ASSERT_NEAR(image.at(i, j).fold_plastic, M_PI / 8, angle_step) << i << ' ' << j;
+      ASSERT_NEAR(image.at(i, j).fold_peak, M_PI / 2, angle_step) << i << ' ' << j;
+    }
+    for (const int i : {5, 30, 50, 60, 70, 90, 115})
+      ASSERT_NEAR(image.at(i, j).fold_angle, 0, 0.01) << i << ' ' << j;
+  }
+}
+
 TEST(CreaseMap, AFoldNearTheTopOfThePatternIsNearTheTopRows) {
   CreaseMap map(rectangle(0.1, 0.1), of_size(100));
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.005);
