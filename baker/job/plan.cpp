@@ -207,6 +207,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   warn_of_doubtful_values(plan);
   warn_of_map_frames(settings, plan);
   warn_of_sheets_inside_colliders(settings, plan);
+  warn_of_sheets_in_each_other(plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);

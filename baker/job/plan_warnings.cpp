@@ -3,6 +3,7 @@
 #include "baker/job/method_choice.h"
 #include "core/animation/obstructed_paths.h"
 #include "core/geometry/collider_depth.h"
+#include "core/geometry/intersections.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -71,6 +72,16 @@ void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& pla
       plan.warnings.push_back(cause + " " + remedy);
     }
   }
+}
+
+void warn_of_sheets_in_each_other(BakePlan& plan) {
+  for (std::size_t b = 0; b < plan.shots.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a)
+      if (crossings_between(plan.shots[a].start, plan.shots[b].start) > 0)
+        plan.warnings.push_back(fmt::format(
+            "The sheets \"{}\" and \"{}\" pass through each other in the first frame: they are not "
+            "kept apart where they do. Move one of them, unless they are joined there.",
+            plan.shots[a].sheet_name, plan.shots[b].sheet_name));
 }
 
 void warn_of_coarse_mesh(const BakeSettings& settings, BakePlan& plan) {

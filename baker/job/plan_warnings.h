@@ -16,6 +16,9 @@ std::string describe(const UnreachablePairOfSheet&);
 /// Warns of sheets that begin inside a collider. throws Error(ErrorCode::scene) with --strict
 void warn_of_sheets_inside_colliders(const BakeSettings&, BakePlan&);
 
+/// Warns of sheets that pass through each other where they begin.
+void warn_of_sheets_in_each_other(BakePlan&);
+
 /// Warns of a mesh that is too coarse to bend.
 void warn_of_coarse_mesh(const BakeSettings&, BakePlan&);
 

@@ -1,5 +1,8 @@
 #include "baker/job/plan.h"
 
+#include "baker/job/plan_warnings.h"
+#include "tests/core/test_shots.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -95,6 +98,22 @@ TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
     EXPECT_NE(other.job_hash, was.job_hash);
     EXPECT_EQ(other.simulation_hash, was.simulation_hash) << "what is simulated is used again";
   }
+}
+
+TEST(PlanTest, SheetsThatPassThroughEachOtherInTheFirstFrameAreTold) {
+  BakePlan plan;
+  plan.shots.resize(2);
+  for (Shot& shot : plan.shots) shot.start = hex_sheet(0.1, 0.1, 20);
+  plan.shots[0].sheet_name = "paper";
+  plan.shots[1].sheet_name = "letter";
+  Points3& x = plan.shots[1].start.x;
+  x.col(2).setConstant(0.001);
+  warn_of_sheets_in_each_other(plan);
+  EXPECT_TRUE(plan.warnings.empty()) << "one lies on the other";
+  x.col(2) = x.col(0).array() - 0.043;
+  warn_of_sheets_in_each_other(plan);
+  ASSERT_EQ(plan.warnings.size(), 1u);
+  EXPECT_EQ(plan.warnings[0].rfind("The sheets \"paper\" and \"letter\" pass through", 0), 0u);
 }
 
 }  // namespace

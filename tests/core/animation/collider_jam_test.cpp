@@ -125,7 +125,9 @@ TEST(ColliderJam, ASheetThatCollidersLeaveFarBehindStaysWhereTheyJammedIt) {
             if (behind == 0 && frame.note.empty()) return true;
             EXPECT_EQ(frame.note.rfind(begins, 0), 0u) << frame.frame << " " << frame.note;
             const double now = std::atof(frame.note.c_str() + begins.size());
-            if (behind > 0) EXPECT_NEAR(now - behind, 3, 0.11) << frame.frame;
+            if (behind > 0) {
+              EXPECT_NEAR(now - behind, 3, 0.11) << frame.frame;
+            }
             behind = now;
             return true;
           });
