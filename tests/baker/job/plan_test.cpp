@@ -1,7 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/plan_warnings.h"
-#include "tests/core/test_shots.h"
+#include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
 
