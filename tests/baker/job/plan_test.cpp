@@ -103,7 +103,7 @@ TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
 TEST(PlanTest, SheetsThatPassThroughEachOtherInTheFirstFrameAreTold) {
   BakePlan plan;
   plan.shots.resize(2);
-  for (Shot& shot : plan.shots) shot.start = hex_sheet(0.1, 0.1, 20);
+  for (Shot& shot : plan.shots) shot.start = test::hex_sheet(0.1, 0.1, 20);
   plan.shots[0].sheet_name = "paper";
   plan.shots[1].sheet_name = "letter";
   Points3& x = plan.shots[1].start.x;
