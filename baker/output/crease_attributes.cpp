@@ -1,7 +1,6 @@
 #include "baker/output/crease_attributes.h"
 
 #include "core/geometry/curvature.h"
-#include "core/geometry/hinges.h"
 #include "core/model/segment2.h"
 #include "formats/maps/fold_width.h"
 
@@ -22,24 +21,24 @@ CreaseAttributes::CreaseAttributes(const Shot& shot, double fold_width, double f
 
 void CreaseAttributes::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
+  const Hinges hinges = find_hinges(sheet.triangles);
   const Points3 curvature = vertex_curvature(sheet);
-  const Eigen::VectorXd width = fold_widths(sheet, fold_width_);
-  folds_.push_back({fold_tensors(curvature, width),
-                    frame.plastic_curvature.rows() > 0
-                        ? fold_tensors(frame.plastic_curvature, width)
-                        : Points3(),
-                    sharp_edges(sheet, curvature, frame.plastic_curvature), sheet.singular.size()});
+  const Eigen::VectorXd width = fold_widths(sheet, hinges, fold_width_);
+  folds_.push_back(
+      {fold_tensors(curvature, width),
+       frame.plastic_curvature.rows() > 0 ? fold_tensors(frame.plastic_curvature, width)
+                                          : Points3(),
+       sharp_edges(sheet, hinges, curvature, frame.plastic_curvature), sheet.singular.size()});
   singular_ = sheet.singular;  // it only grows
 }
 
-CreaseAttributes::SharpEdges CreaseAttributes::sharp_edges(const Sheet& sheet,
+CreaseAttributes::SharpEdges CreaseAttributes::sharp_edges(const Sheet& sheet, const Hinges& hinges,
                                                            const Points3& curvature,
                                                            const Points3& plastic) {
-  const Hinges hinges = find_hinges(sheet.triangles);
   SharpEdges edges;
   edges.now.assign(hinges.of_triangle.size(), {0, 0, 0});
   edges.plastic = edges.now;
-  for (const SharpFold& fold : sharp_folds(sheet, curvature, plastic))
+  for (const SharpFold& fold : sharp_folds(sheet, hinges, curvature, plastic))
     for (const int t : hinges.hinges[fold.hinge].triangles)
       for (int i = 0; i < 3; ++i)
         if (hinges.of_triangle[t][i] == fold.hinge) {

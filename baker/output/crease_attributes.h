@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
 #include "core/render/shot_record.h"
 #include "formats/cache/alembic_cache.h"
@@ -36,7 +37,8 @@ class CreaseAttributes {
   struct SharpEdges {
     std::vector<std::array<float, 3>> now, plastic;  // |T| [rad]
   };
-  static SharpEdges sharp_edges(const Sheet&, const Points3& curvature, const Points3& plastic);
+  static SharpEdges sharp_edges(const Sheet&, const Hinges&, const Points3& curvature,
+                                const Points3& plastic);
   Eigen::VectorXd turns(const ShotRecord::Mesh&, const Points3& smooth,
                         const std::vector<std::array<float, 3>>& sharp) const;
   struct SimulatedCreases {

@@ -255,9 +255,9 @@ BakePlan plan_with_accuracy(BakeSettings& settings, const Log& log) {
 
 std::string describe(const AccuracyChoice& choice) {
   std::string text = fmt::format("accuracy: {} with {} triangles", choice.method, choice.size);
-  if (choice.frame_error_pct.empty())
+  if (choice.frame_error_pct.empty() && !choice.parts_in_frame)
     text += "; there was no time to estimate how far off it is";
-  else
+  if (!choice.frame_error_pct.empty())
     text += fmt::format(
         "; nine of ten frames{} are estimated to be within {:.2g} % of the longer side",
         choice.parts_in_frame ? fmt::format(" of the {} before frame {}",

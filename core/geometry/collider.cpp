@@ -469,6 +469,8 @@ double push_out(const ColliderShapes& colliders, const Points3& known, double cl
     const Collider& collider = *shape;
     for (int v = 0; v < x.rows(); ++v) {
       const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
+      if (!collider.closed() && collider.nearest(row(x, v), range + clearance, 1).triangle < 0)
+        continue;
       const int side = collider.side_of(row(x, v), row(known, v), range + 3 * collider.depth());
       for (int k = 0; k < to_and_fro; ++k) {
         const SurfacePoint near = collider.nearest(row(x, v), range + clearance, side);

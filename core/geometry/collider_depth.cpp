@@ -143,6 +143,8 @@ class ColliderDepth::Part {
         const auto back = runs.find({b, a});
         border_[k][i] = back == runs.end();
         closed_ &= back != runs.end() && back->second == 1 && runs[{a, b}] == 1;
+        if (border_[k][i])
+          border_edges_.emplace_back(faces_[k][(i + 1) % 3], faces_[k][(i + 2) % 3]);
       }
     }
   }
@@ -267,12 +269,8 @@ class ColliderDepth::Part {
 
   double distance_to_border(const Point& p) const {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < faces_.size(); ++k)
-      for (int i = 0; i < 3; ++i)
-        if (border_[k][i])
-          least = std::min(
-              least, CGAL::to_double(CGAL::squared_distance(
-                         p, Kernel::Segment_3(faces_[k][(i + 1) % 3], faces_[k][(i + 2) % 3]))));
+    for (const Kernel::Segment_3& edge : border_edges_)
+      least = std::min(least, CGAL::squared_distance(p, edge));
     return std::sqrt(least);
   }
 
@@ -280,7 +278,8 @@ class ColliderDepth::Part {
   std::vector<Face> faces_;
   std::vector<Vector3d> normals_, origins_;
   std::vector<std::array<bool, 3>> border_;  // of the edge opposite each corner
-  std::map<int, std::vector<int>> around_;   // faces at each vertex
+  std::vector<Kernel::Segment_3> border_edges_;
+  std::map<int, std::vector<int>> around_;  // faces at each vertex
   Eigen::AlignedBox3d box_;
   bool closed_ = false, hollow_ = false, planes_bound_ = false;
   Tree tree_;

@@ -2,7 +2,7 @@
 
 #include "core/model/error.h"
 #include "formats/cache/alembic_mesh.h"
-#include "formats/cache/own_names.h"
+#include "formats/files/own_names.h"
 
 #include <algorithm>
 #include <cassert>

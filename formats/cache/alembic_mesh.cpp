@@ -1,7 +1,7 @@
 #include "formats/cache/alembic_mesh.h"
 
 #include "formats/cache/material_faces.h"
-#include "formats/cache/own_names.h"
+#include "formats/files/own_names.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #include "formats/cache/usd_cache.h"
 
 #include "formats/cache/material_faces.h"
-#include "formats/cache/own_names.h"
 #include "formats/cache/usd_layer.h"
+#include "formats/files/own_names.h"
 
 #include <algorithm>
 #include <set>

@@ -1,6 +1,5 @@
 #include "formats/maps/fold_width.h"
 
-#include "core/geometry/hinges.h"
 #include "core/render/curved_surface.h"
 #include "formats/maps/pattern_edge.h"
 
@@ -9,10 +8,10 @@
 
 namespace paperbake {
 
-Eigen::VectorXd fold_widths(const Sheet& sheet, double fold_width) {
+Eigen::VectorXd fold_widths(const Sheet& sheet, const Hinges& hinges, double fold_width) {
   const Eigen::Index vertices = sheet.pattern.rows();
   Eigen::VectorXd folded = Eigen::VectorXd::Zero(vertices), creased = folded;
-  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+  for (const Hinge& hinge : hinges.hinges) {
     const auto& v = hinge.vertices;
     const double turn = dihedral_angle(sheet.x, hinge),
                  size = std::abs(turn) * (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).norm();
@@ -28,9 +27,9 @@ Eigen::VectorXd fold_widths(const Sheet& sheet, double fold_width) {
   return width;
 }
 
-std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Points3& curvature,
+std::vector<SharpFold> sharp_folds(const Sheet& sheet, const Hinges& all, const Points3& curvature,
                                    const Points3& plastic) {
-  const std::vector<Hinge> hinges = find_hinges(sheet.triangles).hinges;
+  const std::vector<Hinge>& hinges = all.hinges;
   std::vector<SharpFold> folds;
   for (std::size_t h = 0; h < hinges.size(); ++h) {
     const auto& v = hinges[h].vertices;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/hinges.h"
 #include "core/model/sheet.h"
 
 #include <Eigen/Core>
@@ -25,7 +26,7 @@ inline constexpr double max_fold_angle = 3.14159265358979323846;
 ///
 /// fold_width  w [m]
 /// returns     |V| [m]
-Eigen::VectorXd fold_widths(const Sheet&, double fold_width);
+Eigen::VectorXd fold_widths(const Sheet&, const Hinges&, double fold_width);
 
 /// An edge of the mesh that is a crease in this frame.
 struct SharpFold {
@@ -37,7 +38,8 @@ struct SharpFold {
 /// curvature  |V|x3 [1/m], of core/geometry/curvature
 /// plastic    |V|x3 [1/m] of that, or empty for none. Both are spread over the same one-rings, so
 ///            that the paper keeps as much of the angle as of the curvature across the edge
-std::vector<SharpFold> sharp_folds(const Sheet&, const Points3& curvature, const Points3& plastic);
+std::vector<SharpFold> sharp_folds(const Sheet&, const Hinges&, const Points3& curvature,
+                                   const Points3& plastic);
 
 /// [rad] The turn of a sheet across one fold width where it turns smoothly by the first and on a
 /// crease by the second.

@@ -44,12 +44,13 @@ double max_border_gap(const std::vector<std::vector<Vector2d>>& loops,
 
 MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3& plastic,
                      double fold_width) {
+  const Hinges hinges = find_hinges(sheet.triangles);
   MapFields fields{sheet.pattern,
                    sheet.triangles,
                    std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()),
-                   sharp_folds(sheet, curvature, plastic),
+                   sharp_folds(sheet, hinges, curvature, plastic),
                    {}};
-  const Eigen::VectorXd width = fold_widths(sheet, fold_width);
+  const Eigen::VectorXd width = fold_widths(sheet, hinges, fold_width);
   const Points3 fold = fold_tensors(curvature, width),
                 plastic_fold = plastic.rows() > 0 ? fold_tensors(plastic, width) : Points3();
   std::vector<double> area_around(sheet.pattern.rows(), 0.0);
@@ -69,7 +70,6 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
     f.segment<3>(of_fold) = fold.row(v).transpose().array();
     if (plastic.rows() > 0) f.segment<3>(of_plastic_fold) = plastic_fold.row(v).transpose().array();
   }
-  const Hinges hinges = find_hinges(sheet.triangles);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k)
       if (hinges.of_triangle[t][k] < 0)

@@ -3,6 +3,7 @@
 #include "core/model/error.h"
 #include "core/model/paper.h"
 #include "formats/config/preset_file.h"
+#include "formats/files/own_names.h"
 #include "formats/scene/flat_sheet.h"
 #include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
@@ -44,11 +45,8 @@ void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& auth
   std::istringstream lines(names.value_or(""));
   for (AuthoredSurface::UvSet& set : authored.uv_sets)
     if (std::string name; std::getline(lines, name) && !name.empty()) set.name = name;
-  std::set<std::string> taken{"pattern", "crease"};  // that caches have besides
-  for (AuthoredSurface::UvSet& set : authored.uv_sets) {
-    const std::string given = set.name;
-    for (int n = 2; !taken.insert(set.name).second; ++n) set.name = fmt::format("{}_{}", given, n);
-  }
+  OwnNames own({"pattern", "crease"});  // that caches have besides
+  for (AuthoredSurface::UvSet& set : authored.uv_sets) set.name = own(set.name);
 }
 
 /// The number that a sheet gives for a parameter of its paper; nothing without that property.

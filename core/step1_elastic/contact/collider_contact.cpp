@@ -543,19 +543,30 @@ int ColliderContact::touching(const Points3& y) {
   return count;
 }
 
-/// Finds out who has come round the border of an open collider, in a straight line from the start.
+/// Finds out which corners of the features near an open collider have come round its border, in a
+/// straight line from the start.
 void ColliderContact::find_sides(const Points3& y) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
     if (collider(c).closed()) continue;
-    double farthest = max_row_norm(y - start_);  // [m] of a corner from what touches its feature
-    for (const SheetFeature& feature : states_[c].features)
-      if (feature.corners == 2)
-        farthest =
-            std::max(farthest, (y.row(feature.vertices[0]) - y.row(feature.vertices[1])).norm());
-    const double within = farthest + 4 * collider(c).depth();
+    refresh(c, y);
+    ColliderState& a = states_[c];
+    std::vector<double> within(y.rows(), 0.0);  // [m] how far the collider may be; 0: never asked
+    for (const int k : a.close) {
+      const SheetFeature& feature = a.features[k];
+      double longest = 0;
+      for (int i = 0; i < feature.corners; ++i)
+        for (int j = 0; j < i; ++j)
+          longest =
+              std::max(longest, (y.row(feature.vertices[i]) - y.row(feature.vertices[j])).norm());
+      for (int i = 0; i < feature.corners; ++i) {
+        double& far = within[feature.vertices[i]];
+        far = std::max(far, longest + 4 * collider(c).depth());
+      }
+    }
     for (int v = 0; v < y.rows(); ++v)
-      states_[c].side[v] =
-          static_cast<char>(collider(c).side_of(row(y, v), row(start_, v), within));
+      if (within[v] > 0)
+        a.side[v] = static_cast<char>(collider(c).side_of(
+            row(y, v), row(start_, v), within[v] + (y.row(v) - start_.row(v)).norm()));
   }
 }
 

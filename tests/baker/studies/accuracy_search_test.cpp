@@ -124,5 +124,20 @@ TEST_F(AccuracyCommandTest, ACrumpleHasNoAnswerThatMeshesComeNearerTo) {
   EXPECT_LT(chosen["frame_error_pct"].size(), static_cast<std::size_t>(parts));
 }
 
+TEST(AccuracyChoice, SaysOfHowManyFramesItsEstimateIsAndWhenThereIsNone) {
+  AccuracyChoice choice;
+  choice.method = "hybrid";
+  choice.size = 120;
+  EXPECT_NE(describe(choice).find("no time to estimate"), std::string::npos);
+  choice.frame_error_pct = {0.01, 0.02};
+  choice.error_pct = 0.02;
+  EXPECT_NE(describe(choice).find("nine of ten frames are"), std::string::npos);
+  choice.parts_in_frame = 3;
+  EXPECT_NE(describe(choice).find("nine of ten frames of the 2 before frame 3 are"),
+            std::string::npos);
+  choice.frame_error_pct.clear();  // they part from the first frame on
+  EXPECT_EQ(describe(choice).find("estimate"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace paperbake

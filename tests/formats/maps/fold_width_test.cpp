@@ -33,7 +33,8 @@ TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
       for (const double angle : {1.0, -1.6, 2.8}) {
         const Sheet sheet = folded_grid(edge, angle, jitter);
         double length = 0;  // [m] of the fold
-        for (const SharpFold& fold : sharp_folds(sheet, vertex_curvature(sheet), {})) {
+        for (const SharpFold& fold :
+             sharp_folds(sheet, find_hinges(sheet.triangles), vertex_curvature(sheet), {})) {
           EXPECT_NEAR(fold.angle, angle, 1e-9) << edge << ' ' << jitter << ' ' << angle;
           EXPECT_EQ(fold.plastic, 0);
           length += std::abs(sheet.pattern(fold.ends[0], 1) - sheet.pattern(fold.ends[1], 1));
@@ -42,7 +43,8 @@ TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
         EXPECT_NEAR(length, 0.1, 1e-9);
         // the paper beside it is flat: what curvature spreads over the one-rings is not a turn, but
         // for what it leaves beyond those that are irregular
-        const Points3 smooth = fold_tensors(vertex_curvature(sheet), fold_widths(sheet, 0.006));
+        const Points3 smooth = fold_tensors(
+            vertex_curvature(sheet), fold_widths(sheet, find_hinges(sheet.triangles), 0.006));
         EXPECT_LT(smooth.cwiseAbs().maxCoeff(), 0.01 * std::abs(angle));
       }
 }
@@ -51,7 +53,8 @@ TEST(FoldWidth, ACreaseKeepsAsMuchOfItsAngleAsOfItsCurvature) {
   for (const double jitter : {0.0, 0.2}) {
     const Sheet sheet = folded_grid(0.01, 1.0, jitter);
     const Points3 curvature = vertex_curvature(sheet);
-    for (const SharpFold& fold : sharp_folds(sheet, curvature, -0.4 * curvature))
+    for (const SharpFold& fold :
+         sharp_folds(sheet, find_hinges(sheet.triangles), curvature, -0.4 * curvature))
       EXPECT_NEAR(fold.plastic, -0.4, 1e-9);
   }
 }
@@ -60,8 +63,9 @@ TEST(FoldWidth, RolledPaperTurnsByItsCurvatureWhateverTheMesh) {
   for (const double edge : {0.0025, 0.01}) {
     // dihedral angles of 0.25 rad at most are not creases
     const Sheet sheet = test::rolled(test::flat_sheet(0.1, 0.1, edge), 25);
-    EXPECT_TRUE(sharp_folds(sheet, vertex_curvature(sheet), {}).empty());
-    const Eigen::VectorXd width = fold_widths(sheet, 0.006);
+    EXPECT_TRUE(
+        sharp_folds(sheet, find_hinges(sheet.triangles), vertex_curvature(sheet), {}).empty());
+    const Eigen::VectorXd width = fold_widths(sheet, find_hinges(sheet.triangles), 0.006);
     EXPECT_EQ(width.minCoeff(), 0.006);
     EXPECT_EQ(width.maxCoeff(), 0.006);
   }
