@@ -642,6 +642,23 @@ TEST(ColliderClearanceTest, AnEdgeThatHangsOverARimIsLiftedOntoIt) {
               6e-4, 1e-9);
 }
 
+TEST(ColliderClearanceTest, ATriangleThatHangsOverACornerIsLiftedOntoIt) {
+  // a pointed wall, beside which all edges of the triangle pass; its front faces two corners of it
+  ColliderMesh wall{"wall", Points3(3, 3), Triangles(1, 3), {}};
+  wall.x << 0, 0, 0, -0.02, 0, -0.05, 0.02, 0, -0.05;
+  wall.triangles << 0, 1, 2;
+  const auto colliders = all({wall});
+  Points3 outside(3, 3);
+  outside << -0.06, -0.03, 2e-4, 0.06, -0.03, 2e-4, 0, 0.06, 2e-4;
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  Points3 x = outside;
+  x.col(2).array() -= 5e-4;
+  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one, outside);
+  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
+  EXPECT_NEAR(x.col(2).mean(), 0, 1e-6);  // above the corner
+}
+
 TEST(ColliderTest, PushOutMovesOnlyWhatIsInsideTheGround) {
   const auto colliders = all({ground()});
   Points3 facets(2, 3), x(2, 3);
