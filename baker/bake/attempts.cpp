@@ -1,5 +1,6 @@
 #include "baker/bake/attempts.h"
 
+#include "baker/job/input_hash.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/gates.h"
 #include "core/model/error.h"
@@ -126,7 +127,6 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan,
       first_(plan),
       plan_(plan),
       decision_(std::move(decision)),
-      key_(fmt::format("{} {} {}", program_key(), plan.simulation_hash, plan.animation.last_frame)),
       seen_(describe_attempt(0)),
       watches_(settings.attempts > 1 && is_hybrid(settings)) {
   if (watches_ && settings.resume == Resume::automatic) watches_ = !load_choice();
@@ -218,10 +218,16 @@ void Attempts::adopt(AttemptChoice choice) {
   watches_ = failing_ = false;
 }
 
+/// What a decision depends on.
+std::string Attempts::key() const {
+  return fmt::format("{} {} {}", program_key(), scene_input_hash(first_),
+                     first_.animation.last_frame);
+}
+
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried) tried.push_back({t.off, t.off_pct, t.frame, t.frames});
-  write_atomically(decision_, json_line({{"key", key_},
+  write_atomically(decision_, json_line({{"key", key()},
                                          {"baked", choice.baked},
                                          {"hopeless", choice.hopeless},
                                          {"tried", tried}}));
@@ -231,7 +237,7 @@ bool Attempts::load_choice() {
   AttemptChoice choice;
   try {
     const Json kept = parse_json(read_file(decision_).value_or(""));
-    if (kept.at("key") != key_) return false;
+    if (kept.at("key") != key()) return false;
     choice.baked = kept.at("baked");
     choice.hopeless = kept.at("hopeless");
     for (const Json& of_attempt : kept.at("tried")) {

@@ -50,6 +50,7 @@ class Attempts {
   BakePlan plan_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
   void adopt(AttemptChoice);
+  std::string key() const;
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
 
@@ -57,8 +58,7 @@ class Attempts {
   const BakePlan& first_;
   BakePlan plan_;
   std::filesystem::path decision_;
-  std::string key_;  // of a decision
-  Attempt seen_;     // of the first attempt
+  Attempt seen_;  // of the first attempt
   bool watches_, failing_ = false, has_chosen_ = false;
   bool moved_ = false;  // whether a handle has (have_moved)
 };

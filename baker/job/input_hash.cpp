@@ -105,6 +105,21 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
   return hex(content_hash(bytes));
 }
 
+std::string scene_input_hash(const BakePlan& plan) {
+  std::ptrdiff_t frames = plan.animation.last_frame - plan.animation.first_frame + 1;
+  for (const Shot& shot : plan.shots) {
+    for (const Handle& handle : shot.handles) frames = std::max(frames, handle.keyed.rows());
+    if (!shot.colliders) continue;
+    for (const Collider& collider : *shot.colliders)
+      frames = std::max(frames, std::ptrdiff_t(collider.frames().size()));
+  }
+  const int first = plan.animation.first_frame;
+  std::string hash = plan.simulation_hash;
+  for (int row = 0; row < frames; ++row)
+    hash = frame_input_hash(hash, plan.shots, first + row, first);
+  return hash;
+}
+
 void hash_inputs(BakePlan& plan) {
   std::string job, values = std::string(program_version) + "\n", of_simulation = values;
   for (const Wind& wind : plan.animation.elastic.air.winds) {

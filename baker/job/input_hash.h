@@ -18,4 +18,8 @@ void hash_inputs(BakePlan&);
 std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame,
                              int first_frame);
 
+/// Hash of what the whole scene asks for: of the input of all frames, those after the last one that
+/// is baked included, because it may look ahead to them.
+std::string scene_input_hash(const BakePlan&);
+
 }  // namespace paperbake

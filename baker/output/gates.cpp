@@ -223,8 +223,10 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
   if (!plan.impossible.empty())
     review.missed.push_back(
         {Gate::reach,
-         fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
-                     plan.impossible.size(), describe(plan.impossible.front()))});
+         plan.impossible.size() == 1
+             ? describe(plan.impossible.front())
+             : fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
+                           plan.impossible.size(), describe(plan.impossible.front()))});
   return review.missed;
 }
 

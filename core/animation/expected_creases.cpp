@@ -11,7 +11,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double same_line = 0.01;  // [1] of the longer side
+// [1] of the longer side
+constexpr double same_line = 0.01, same_place = 1e-4;
 
 /// The axes about which the clamps of a shot turn against each other. Neighbours come first: clamps
 /// with others between them may agree on a line by chance.
@@ -179,6 +180,58 @@ bool is_between(const Segment2& part, const FoldAxis& axis, const Clamps& clamps
          });
 }
 
+/// Whether a crease is none, because another one lies between it and one of its clamps: what turns
+/// there is the paper beyond that one, and not the clamp.
+bool is_beyond(const ExpectedCrease& crease, const ExpectedCrease& nearer, const Clamps& clamps,
+               const Pattern& pattern) {
+  const auto folds = [&](const std::vector<int>& clamp) {
+    return clamp == nearer.plate || clamp == nearer.other;
+  };
+  if (folds(crease.plate) && folds(crease.other)) return false;
+  const CutPattern cut(pattern, nearer.line);
+  const auto by = CutPattern::By::cut;
+  const int side = cut.side_of({crease.line.a, crease.line.b}, by);
+  const auto is_cut_off = [&](const std::vector<int>& clamp) {
+    if (!folds(clamp)) return false;
+    std::vector<Vector2d> points;
+    for (const int h : clamp) points.push_back(clamps.place(h));
+    return cut.side_of(points, by) * side < 0;
+  };
+  return is_cut_off(crease.plate) || is_cut_off(crease.other);
+}
+
+/// Creases that end beside each other on the border, or beside a corner of it, end at one point.
+/// Folds that meet there have axes from the keys of several hands, which hardly agree to the tenth
+/// of a millimetre; paper cannot fold along lines that miss each other by so little, and the mesh
+/// between them would have slivers.
+void join_ends(std::vector<ExpectedCrease>& creases, const Pattern& pattern) {
+  const double near = on_line * longer_side(pattern);
+  std::vector<Vector2d*> open;
+  for (ExpectedCrease& crease : creases)
+    for (Vector2d* end : {&crease.line.a, &crease.line.b}) {
+      const auto corner = std::find_if(pattern.outline.begin(), pattern.outline.end(),
+                                       [&](const Vector2d& p) { return (p - *end).norm() < near; });
+      if (corner != pattern.outline.end())
+        *end = *corner;
+      else
+        open.push_back(end);
+    }
+  while (!open.empty()) {
+    std::vector<Vector2d*> together{open.back()};
+    open.pop_back();
+    for (std::size_t k = 0; k < together.size(); ++k) {
+      const auto apart = [&](const Vector2d* end) { return (*end - *together[k]).norm() >= near; };
+      const auto others = std::stable_partition(open.begin(), open.end(), apart);
+      together.insert(together.end(), others, open.end());
+      open.erase(others, open.end());
+    }
+    if (together.size() == 1) continue;
+    Vector2d sum = Vector2d::Zero();
+    for (const Vector2d* end : together) sum += *end;
+    for (Vector2d* end : together) *end = sum / together.size();
+  }
+}
+
 /// Finds what the artist has drawn along a line, and what is missing between.
 void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
   const double near = same_line * longer_side(pattern);
@@ -238,8 +291,19 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
                               {},
                               axis.plate->handles,
                               axis.other->handles});
+  const std::vector<ExpectedCrease> all = expected;
+  expected.erase(std::remove_if(expected.begin(), expected.end(),
+                                [&](const ExpectedCrease& crease) {
+                                  return std::any_of(
+                                      all.begin(), all.end(), [&](const ExpectedCrease& nearer) {
+                                        return is_beyond(crease, nearer, clamps, shot.pattern);
+                                      });
+                                }),
+                 expected.end());
+  join_ends(expected, shot.pattern);
   for (ExpectedCrease& gusset : gussets(shot, clamps, expected))
     if (!is_known(gusset.line)) expected.push_back(std::move(gusset));
+  join_ends(expected, shot.pattern);
   for (ExpectedCrease& crease : expected) look_for_drawn(crease, shot.pattern);
   return expected;
 }
@@ -253,7 +317,6 @@ double largest_turn(const ExpectedCrease& crease) {
 
 std::vector<PrescribedCrease> drawn_creases(const Pattern& pattern,
                                             const std::vector<ExpectedCrease>& expected) {
-  constexpr double same_place = 1e-4;  // [1] of the longer side
   const double side = longer_side(pattern), near = same_line * side;
   std::vector<PrescribedCrease> creases = pattern.prescribed_creases;
   for (const ExpectedCrease& fold : expected) {

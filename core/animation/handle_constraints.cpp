@@ -10,6 +10,7 @@ HandleConstraints::HandleConstraints(const Shot& shot, std::vector<int> vertices
       vertex_(std::move(vertices)),
       first_frame_(first_frame),
       exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))),
+      grip_(grip_on(shot.paper)),
       feasibility_(shot.pattern, shot.handles),
       offset_(shot.handles.size()) {}
 
@@ -60,7 +61,7 @@ PositionConstraints HandleConstraints::held(int frame) const {
   }
   PositionConstraints held;
   for (const auto& [vertex, pull] : by_vertex)
-    held.push_back({vertex, pull.sum / pull.weight, pull.stiffness});
+    held.push_back({vertex, pull.sum / pull.weight, pull.stiffness, grip_});
   return held;
 }
 

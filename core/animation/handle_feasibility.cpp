@@ -1,5 +1,7 @@
 #include "core/animation/handle_feasibility.h"
 
+#include "core/step1_elastic/elastic.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +32,7 @@ std::vector<UnreachablePair> HandleFeasibility::impossible_pairs(const std::vect
             (keyed_position(a, frame - first_frame) - keyed_position(b, frame - first_frame))
                 .norm();
         const double over = apart - limit(i, j);
-        if (over <= 0) continue;
+        if (over <= rounding_of_handles) continue;
         if (worst == 0) pair.first = frame;
         pair.last = frame;
         if (over > worst) {

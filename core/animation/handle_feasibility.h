@@ -37,7 +37,7 @@ class HandleFeasibility {
   HandleFeasibility(const Pattern&, const std::vector<Handle>&);
 
   /// Pairs of absolute handles that are held at the same time and too far apart by more than the
-  /// tolerance, the worst first.
+  /// tolerance and `rounding_of_handles`, which nobody sees, the worst first.
   /// first_frame  frame of row 0 of Handle::keyed
   /// last_frame   the last frame that is checked
   std::vector<UnreachablePair> impossible_pairs(const std::vector<Handle>&, int first_frame,

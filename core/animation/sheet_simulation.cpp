@@ -217,7 +217,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   now_.relative_motion =
       relative_handle_motion(sheet, now_.input.constraints, resting_input_.constraints) /
       simulated_.side;
-  now_.squeeze = may_jam() && outcome_.on_colliders > 0
+  now_.squeeze = now_.input.constraints.empty() && outcome_.on_colliders > 0
                      ? squeeze(sheet.x, now_.input.colliders) / simulated_.side
                      : 0;
   now_.load_parts = parts_of_frame();

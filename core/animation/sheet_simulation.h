@@ -188,8 +188,6 @@ class SheetSimulation {
   /// Whether the sheet has not moved for so long that it need not be solved until something else
   /// does.
   bool comes_to_rest() const;
-  /// Whether nothing gives way when colliders press the sheet.
-  bool may_jam() const;
   /// Whether the sheet gets a finer mesh if colliders bend it more sharply than its own one can.
   bool may_refine() const;
   /// Takes a finer mesh for a sheet that is jammed, if its mesh could not fold.

@@ -47,8 +47,7 @@ DrivenSheet SheetSimulation::driven_sheet(RecordTrajectory trace) {
           now_.relative_motion,
           simulated_.side,
           trace == RecordTrajectory::yes ? &now_.path_of_step : nullptr,
-          {},
-          may_jam()};
+          {}};
 }
 
 DrivenSheet SheetSimulation::driven_in_part(RecordTrajectory trace, int part) {
@@ -58,8 +57,6 @@ DrivenSheet SheetSimulation::driven_in_part(RecordTrajectory trace, int part) {
   driven.relative_motion /= now_.load_parts;
   return driven;
 }
-
-bool SheetSimulation::may_jam() const { return shot_.colliders && now_.input.constraints.empty(); }
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
@@ -75,9 +72,7 @@ void SheetSimulation::begin_step(RecordTrajectory trace) {
   now_.path_of_step.clear();
 }
 
-bool SheetSimulation::may_step_in_parts() const {
-  return now_.load_parts > 1 || may_jam() || may_refine();
-}
+bool SheetSimulation::may_step_in_parts() const { return now_.load_parts > 1 || shot_.colliders; }
 
 void SheetSimulation::keep_frame_start() {
   if (now_.frame_start) return;
@@ -169,7 +164,7 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
   }
   for (SheetSimulation* a : all) {
     a->now_.load_parts = parts;
-    if (parts > 1 || a->may_jam()) a->keep_frame_start();
+    if (a->may_step_in_parts()) a->keep_frame_start();
   }
   IslandStep(all, {dhat, gap, is_admissible, RecordTrajectory::yes}).take();
   for (SheetSimulation* a : all) {

@@ -26,13 +26,13 @@ constexpr double max_trusted_stretch = 0.5;
 // [1] the same for a step that has converged, if no edge was off by half as much before it: the
 // membrane also has minima with triangles that are turned over, in which paper would be torn
 constexpr double max_sudden_stretch = 0.05;
-// [1] the same for any step of a sheet that may jam, if no edge was off by more before it
+// [1] the same for any step in which a collider moves, if no edge was off by more before it
 constexpr double max_jammed_stretch = 0.02;
 
 // 1/1024 of a frame: a blade of 3 mm at 10 m/s moves by half a millimetre in it
 constexpr int max_halvings_for_colliders = 10;
 constexpr double collider_reach = 2e-3;  // [m] from the sheet, within which a collider is divided
-// [m] of a collider, in one step that does not converge, of a sheet that may jam
+// [m] of a collider, in one step that does not converge
 constexpr double max_squeeze = 0.3 * collider_dhat;
 
 /// Whether a collider comes within `reach` [m] of a sheet on its way.
@@ -94,21 +94,21 @@ bool is_swept_too_far(const DrivenSheet& f, int halvings) {
   return is_swept_farther(f, halvings, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
 }
 
-/// Whether colliders move on where the sheets are, and nothing gives way if these are in their way.
+bool are_swept_farther(const std::vector<DrivenSheet>& sheets, int halvings, double most) {
+  return std::any_of(sheets.begin(), sheets.end(),
+                     [&](const DrivenSheet& f) { return is_swept_farther(f, halvings, most); });
+}
+
+/// Whether colliders move on where the sheets are: these jam where they cannot give way.
 bool may_jam(const std::vector<DrivenSheet>& sheets, int halvings) {
-  return std::all_of(sheets.begin(), sheets.end(),
-                     [](const DrivenSheet& f) { return f.may_jam; }) &&
-         std::any_of(sheets.begin(), sheets.end(),
-                     [&](const DrivenSheet& f) { return is_swept_farther(f, halvings, 0); });
+  return are_swept_farther(sheets, halvings, 0);
 }
 
 /// Whether a collider moves farther than a squeezed sheet follows it in one step that does not
 /// converge. Where it pushes layers against each other, they begin the step inside of it by what
 /// they do not let each other give way, and the force there would crush them.
 bool are_squeezed_too_far(const std::vector<DrivenSheet>& sheets, int halvings) {
-  return std::any_of(sheets.begin(), sheets.end(), [&](const DrivenSheet& f) {
-    return is_swept_farther(f, halvings, max_squeeze);
-  });
+  return are_swept_farther(sheets, halvings, max_squeeze);
 }
 
 LengthDistortion worst_of(const std::vector<DrivenSheet>& sheets) {
@@ -151,7 +151,7 @@ struct Rejection {
   bool jammed = false;
 };
 
-/// Whether a step has left sheets that may jam in a state in which paper cannot be.
+/// Whether a step has left sheets in a state in which paper cannot be.
 bool are_crushed(const LengthDistortion& now, double stretch_before,
                  const std::vector<FrameStepResult>& steps) {
   return now.largest > std::max(max_jammed_stretch, stretch_before) ||
@@ -240,8 +240,8 @@ std::pair<DrivenSheet, DrivenSheet> halves_of(const DrivenSheet& whole, double d
   other.colliders.from = half.colliders.to;
   half.time -= dt;
   const auto with = [&](StepInput input) -> DrivenSheet {
-    return {whole.elastic, whole.sheet,      std::move(input),        0.5 * whole.relative_motion,
-            whole.side,    whole.trajectory, whole.initial_positions, whole.may_jam};
+    return {whole.elastic, whole.sheet,      std::move(input),       0.5 * whole.relative_motion,
+            whole.side,    whole.trajectory, whole.initial_positions};
   };
   return {with(std::move(half)), with(std::move(other))};
 }

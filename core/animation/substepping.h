@@ -32,8 +32,6 @@ struct DrivenSheet {
   std::vector<TrajectoryPoint>* trajectory;  // receives the trajectory; null: not recorded
   // [m] positions at the start of the shot, as in JointStepSheet
   Points3 initial_positions = {};
-  // no handle that would give way holds the sheet between its colliders: it may jam
-  bool may_jam = false;
 };
 
 struct FrameInterval {
@@ -54,10 +52,10 @@ int halvings_of_squeeze(const ColliderMotion&);
 /// before the step is tried, and so are frames in which a collider moves near a sheet by more than
 /// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024.
 ///
-/// Sheets that all may jam are squeezed by their colliders in steps that either converge or are no
-/// longer than three tenths of the reach of their barrier. Where such a step stretches an edge by
-/// more than 2 % and by more than before, or leaves a sheet 0.1 mm inside of a collider, it is not
-/// taken: the sheets are jammed, and stay as they were at the end of the last one.
+/// Colliders that move squeeze sheets in steps that either converge or are no longer than three
+/// tenths of the reach of their barrier. Where such a step stretches an edge by more than 2 % and
+/// by more than before, or leaves a sheet 0.1 mm inside of a collider, it is not taken: the sheets
+/// are jammed, and stay as they were at the end of the last one.
 /// throws  EnergyNotFinite
 std::vector<FrameStepResult> advance_frame(const std::vector<DrivenSheet>&, const FrameInterval&);
 

@@ -58,6 +58,8 @@ class Collider {
   ColliderMesh mesh_with_frames() const;
   bool closed() const { return closed_; }
 
+  Vector3d face_normal(int triangle) const { return face_normal_.row(triangle); }
+
   /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]
   double depth() const { return depth_; }
 

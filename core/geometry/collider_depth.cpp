@@ -4,10 +4,7 @@
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/intersections.h>
 #include <CGAL/squared_distance_3.h>
-
-#include <boost/variant.hpp>
 
 #include <algorithm>
 #include <array>
@@ -246,26 +243,34 @@ class ColliderDepth::Part {
     tree_.all_intersected_primitives(triangle, std::back_inserter(met));
     double most = 0;
     for (const FaceIterator& face : met)
-      if (const auto common = CGAL::intersection(triangle, *face))
-        for (const Point& p : boost::apply_visitor(EndsOf(), *common))
-          most = std::max(most, distance_to_border(p));
+      for (const Point& p : ends_of_cut(triangle, *face))
+        most = std::max(most, distance_to_border(p));
     return most;
+  }
+
+  /// Where edges of either triangle pass through the other one. Triangles in one plane do not pass
+  /// through each other.
+  static std::vector<Point> ends_of_cut(const Face& a, const Face& b) {
+    constexpr double rounding = 1e-9;  // [m]
+    std::vector<Point> ends;
+    for (const auto& [edges, through] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+      const auto normal =
+          CGAL::cross_product((*through)[1] - (*through)[0], (*through)[2] - (*through)[0]);
+      for (int i = 0; i < 3; ++i) {
+        const Point &p = (*edges)[i], &q = (*edges)[i + 1];
+        const double before = normal * (p - (*through)[0]), after = normal * (q - (*through)[0]);
+        if ((before < 0) == (after < 0)) continue;
+        const Point at = p + before / (before - after) * (q - p);
+        if (CGAL::squared_distance(at, *through) < rounding * rounding) ends.push_back(at);
+      }
+    }
+    return ends;
   }
 
   bool meets(const Corners& c) const {
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) return false;
     return tree_.do_intersect(Face(point(c[0]), point(c[1]), point(c[2])));
   }
-
-  /// The corners of what two triangles have in common.
-  struct EndsOf : boost::static_visitor<std::vector<Point>> {
-    std::vector<Point> operator()(const Point& p) const { return {p}; }
-    std::vector<Point> operator()(const Kernel::Segment_3& s) const {
-      return {s.source(), s.target()};
-    }
-    std::vector<Point> operator()(const Face& f) const { return {f[0], f[1], f[2]}; }
-    std::vector<Point> operator()(const std::vector<Point>& all) const { return all; }
-  };
 
   double distance_to_border(const Point& p) const {
     double least = std::numeric_limits<double>::infinity();

@@ -28,10 +28,34 @@ double upward_area(const ColliderMesh& mesh) {
   return 0.5 * doubled;
 }
 
+/// On which side of an open mesh points are: 1 in front, -1 behind.
+struct Votes {
+  int over = 0;              // sum over those that are above or below it
+  int before = 0, back = 0;  // numbers of those beside it, where it would be if it went on there
+
+  int beside() const { return (back == 0) - (before == 0); }
+};
+
+Votes votes(const Collider& open, const Points3& points) {
+  constexpr double anywhere = 10, lies_in_it = 1e-5;  // [m] a point closer than this has no vote
+  Votes votes;
+  for (int v = 0; v < points.rows(); ++v) {
+    const SurfacePoint near = open.nearest(points.row(v), anywhere, 1);
+    if (near.triangle < 0 || !(std::abs(near.distance) > lies_in_it)) continue;
+    if (!near.on_border) {
+      votes.over += near.distance > 0 ? 1 : -1;
+      continue;
+    }
+    // beyond the border, as beside the mouth of a bin, there is neither front nor back
+    const double ahead = open.face_normal(near.triangle).dot(points.row(v).transpose() - near.at);
+    if (std::abs(ahead) > lies_in_it) (ahead > 0 ? votes.before : votes.back) += 1;
+  }
+  return votes;
+}
+
 }  // namespace
 
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
-  constexpr double lies_in_it = 1e-5;  // [m] a vertex closer than this has no vote
   for (ColliderMesh& mesh : meshes) {
     const Collider as_it_is(mesh);
     if (as_it_is.closed()) {
@@ -39,18 +63,10 @@ void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const P
       if (mesh.paper_side == Side::automatic) mesh.paper_side = side_of(as_it_is, x);
       continue;
     }
-    const auto votes = [&](const Points3& points) {
-      int front = 0;
-      for (int v = 0; v < points.rows(); ++v) {
-        const SurfacePoint near = as_it_is.nearest(points.row(v), 10, 1);
-        // beyond the border, as beside the mouth of a bin, there is neither front nor back
-        if (near.on_border || !(std::abs(near.distance) > lies_in_it)) continue;
-        front += near.distance > 0 ? 1 : -1;
-      }
-      return front;
-    };
-    int front = votes(x);
-    if (front == 0) front = votes(keyed);
+    const Votes of_sheet = votes(as_it_is, x);
+    int front = of_sheet.over;
+    if (front == 0) front = votes(as_it_is, keyed).over;
+    if (front == 0) front = of_sheet.beside();
     if (front < 0 || (front == 0 && upward_area(mesh) < 0))
       mesh.triangles.col(1).swap(mesh.triangles.col(2));
   }

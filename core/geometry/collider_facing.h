@@ -11,8 +11,9 @@ namespace paperbake {
 /// Decides for closed meshes whether the sheet stays outside or inside, where the mesh leaves it
 /// open: inside when all of the sheet begins there.
 /// Orients open meshes so that their front is on the side where most of the sheet is at the start.
-/// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
-/// do not decide either, the front is turned upwards.
+/// Where the sheet lies in the surface, or beside it, the keyed positions of the handles decide.
+/// Where these do not either, it is the side on which all of the sheet would be if the mesh went on
+/// beyond its border; and where the sheet would be on both, the front is turned upwards.
 /// x      |V|x3 [m] vertices of the sheet at the start
 /// keyed  |K|x3 [m] positions to which handles go
 void face_the_sheet(std::vector<ColliderMesh>&, const Points3& x, const Points3& keyed);

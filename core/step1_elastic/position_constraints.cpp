@@ -29,6 +29,10 @@ std::vector<int> vertices_of(const PositionConstraints& constraints) {
   return vertices;
 }
 
+double grip_on(const Paper& paper) {
+  return std::min(1.0, paper.membrane_stiffness / Paper{}.membrane_stiffness);
+}
+
 std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConstraints& constraints,
                                            double slack) {
   constexpr double min_width = 0.02;  // [1] of the extent of points that are not in one line
@@ -46,6 +50,6 @@ std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConst
   return motion;
 }
 
-void archive(Serializer& a, PositionConstraint& c) { a(c.vertex, c.target, c.stiffness); }
+void archive(Serializer& a, PositionConstraint& c) { a(c.vertex, c.target, c.stiffness, c.grip); }
 
 }  // namespace paperbake

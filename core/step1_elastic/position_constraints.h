@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/rigid_motion.h"
+#include "core/model/paper.h"
 #include "core/model/sheet.h"
 
 #include <optional>
@@ -17,8 +18,13 @@ struct PositionConstraint {
   int vertex;
   Vector3d target;       // [m]
   double stiffness = 0;  // [N/m] of a soft constraint; 0: it is hard
+  double grip = 1;       // [1] of the force of a hand, if it is hard: grip_on the paper
   bool is_hard() const { return !(stiffness > 0); }
 };
+
+/// [1] How firmly a hand holds a sheet, against copy paper: a sheet that is stretched more easily
+/// is held by as much less, so that no grade is stretched more by its handles than copy paper.
+double grip_on(const Paper&);
 
 /// Constraints of one sheet, each vertex at most once. The same list goes from the handles of an
 /// animation to the terms of the solver.

@@ -7,19 +7,21 @@
 namespace paperbake {
 namespace {
 
+// of copy paper
 constexpr double hard = 3e4;              // [N/m] a tenth of the stiffness of paper itself
 constexpr double hold_force = 3;          // [N] a hand holds paper by this
 constexpr double stiffness_beyond = 300;  // [N/m]
 
 struct Spring {
-  double stiffness;   // [N/m] k
-  double hold_force;  // [N] F0
+  double stiffness;         // [N/m] k
+  double hold_force;        // [N] F0
+  double stiffness_beyond;  // [N/m] k_y
 };
 
 // not inlined: a sum of constants would round otherwise than the same sum of variables
 [[gnu::noinline]] Spring spring_of(const PositionConstraint& c) {
-  return c.is_hard() ? Spring{hard, hold_force}
-                     : Spring{c.stiffness, std::numeric_limits<double>::infinity()};
+  return c.is_hard() ? Spring{c.grip * hard, c.grip * hold_force, c.grip * stiffness_beyond}
+                     : Spring{c.stiffness, std::numeric_limits<double>::infinity(), 0};
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ double spring_energy(const PositionConstraints& constraints, const Points3& x) {
                  r0 = s.hold_force / s.stiffness, beyond = r - r0;
     sum += beyond <= 0 ? 0.5 * s.stiffness * r * r
                        : 0.5 * s.hold_force * r0 + s.hold_force * beyond +
-                             0.5 * stiffness_beyond * beyond * beyond;
+                             0.5 * s.stiffness_beyond * beyond * beyond;
   }
   return sum;
 }
@@ -52,8 +54,8 @@ double differentiate_springs(const PositionConstraints& constraints, const Point
     // second derivative across and along the direction to the target
     double across = s.stiffness, along = s.stiffness;
     if (beyond > 0) {
-      across = (s.hold_force + stiffness_beyond * beyond) / r;
-      along = stiffness_beyond;
+      across = (s.hold_force + s.stiffness_beyond * beyond) / r;
+      along = s.stiffness_beyond;
     }
     gradient.row(c.vertex) += across * d.transpose();
     Matrix3 second = across * Matrix3::Identity();

@@ -16,8 +16,11 @@ namespace paperbake {
 /// r    [m] distance from the target
 /// k    [N/m] of a soft constraint its own stiffness; of a hard one so large that r is a few
 ///      microns as long as the paper follows
-/// F0   [N] infinite for a soft constraint; 3 N for a hard one
-/// k_y  [N/m] of a hard constraint that the paper cannot follow: 300 N/m
+/// F0   [N] infinite for a soft constraint; 3 N for a hard one on copy paper
+/// k_y  [N/m] of a hard constraint that the paper cannot follow: 300 N/m on copy paper
+///
+/// Thinner paper is held by less (grip_on), in all three of them.
+///
 /// source  this project; force and stiffness were measured on crumpled sheets
 double spring_energy(const PositionConstraints&, const Points3& x);  // [J]
 /// Returns the energy [J]. Adds its gradient [N] to `gradient` and its Hessian [N/m], which is

@@ -1,5 +1,6 @@
 #include "baker/job/plan.h"
 
+#include "baker/job/input_hash.h"
 #include "baker/job/plan_warnings.h"
 #include "tests/core/test_meshes.h"
 
@@ -97,6 +98,18 @@ TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
     const BakePlan other = plan(change);
     EXPECT_NE(other.job_hash, was.job_hash);
     EXPECT_EQ(other.simulation_hash, was.simulation_hash) << "what is simulated is used again";
+  }
+}
+
+TEST(PlanTest, EveryKeyOfTheSceneCountsForWhatLooksAheadToIt) {
+  // as the decision between attempts at a shot does: a later take under the same name is another
+  const BakePlan was = plan_of("S14_hands.glb", "hybrid", 10);
+  EXPECT_EQ(scene_input_hash(plan_of("S14_hands.glb", "hybrid", 10)), scene_input_hash(was));
+  for (const int row : {5, 50}) {
+    BakePlan later = was;
+    ASSERT_LT(row, later.shots.at(0).handles.at(0).keyed.rows());
+    later.shots[0].handles[0].keyed(row, 2) += 1e-6;
+    EXPECT_NE(scene_input_hash(later), scene_input_hash(was)) << row;
   }
 }
 

@@ -442,6 +442,44 @@ TEST(ExpectedCreasesTest, HandlesThatOnlyMoveAlongFoldNothing) {
                   .empty());
 }
 
+/// A corner of a page that is folded onto a wing, and the wing up with it: two folds that end at
+/// the middle of the top border, or `apart` [m] of each other.
+std::vector<Plate> half_a_plane(double apart) {
+  const Vector2d top(0.105, 0.297), beside(0.105 + apart, 0.297);
+  const auto wing = [=](double s) {
+    return turned(std::max(0.0, 2 * s - 1) * 70 * degrees, top, {0.105, -0.2535});
+  };
+  return {{{{0.105, 0.02}, {0.075, 0.1}, {0.135, 0.1}, {0.105, 0.15}}, still},
+          {{{0.207, 0.07}, {0.205, 0.13}, {0.165, 0.19}}, wing},
+          {{{0.19, 0.28}, {0.15, 0.29}, {0.205, 0.22}}, [=](double s) {
+             return wing(s) *
+                    turned(std::min(1.0, 2 * s) * 150 * degrees, beside, {0.105 - apart, -0.105});
+           }}};
+}
+
+TEST(ExpectedCreasesTest, AHandBeyondAnotherFoldFoldsNothingByItself) {
+  // the corner turns against the body, too, about a line that crosses the wing
+  const std::vector<ExpectedCrease> lines = lines_of(held(a4, half_a_plane(0)));
+  EXPECT_EQ(lines.size(), 2U);
+  EXPECT_TRUE(line_between(lines, {0.105, 0.297}, {0.210, 0.0435}, 1e-6));
+  EXPECT_TRUE(line_between(lines, {0.105, 0.297}, {0.210, 0.192}, 1e-6));
+}
+
+TEST(ExpectedCreasesTest, FoldsThatEndBesideEachOtherEndAtOnePoint) {
+  for (const double apart : {1e-7, 3e-4, 1e-3, 5e-3}) {
+    const std::vector<ExpectedCrease> lines = lines_of(held(a4, half_a_plane(apart)));
+    ASSERT_EQ(lines.size(), 2U);
+    double nearest = 1;
+    for (const Vector2d& p : {lines[0].line.a, lines[0].line.b})
+      for (const Vector2d& q : {lines[1].line.a, lines[1].line.b})
+        nearest = std::min(nearest, (p - q).norm());
+    if (apart < 2e-3)
+      EXPECT_EQ(nearest, 0) << apart;
+    else
+      EXPECT_NEAR(nearest, apart, 1e-6);
+  }
+}
+
 TEST(ExpectedCreasesTest, ATurnOfLessThanSixtyDegreesIsNoFold) {
   EXPECT_TRUE(lines_of(held(page, corner(59 * degrees))).empty());
   EXPECT_EQ(lines_of(held(page, corner(61 * degrees))).size(), 1u);

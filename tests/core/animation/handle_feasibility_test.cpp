@@ -147,6 +147,16 @@ TEST(HandleFeasibilityTest, HandlesHeldAtDifferentTimesAreNoPair) {
   EXPECT_EQ(pairs[0].last, 11);
 }
 
+TEST(HandleFeasibilityTest, WhatNobodySeesIsNotTold) {
+  // 3 um of 3 mm: more than the tolerance of 0.05 %
+  std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
+                                 bare_handle("b", {0.053, 0.05}, 1)};
+  handles[1].keyed(0, 0) += 3e-6;
+  EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, first_frame).empty());
+  handles[1].keyed(0, 0) += 2e-5;
+  EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), handles, first_frame).size(), 1u);
+}
+
 TEST(HandleFeasibilityTest, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
   std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                  bare_handle("b", {0.05, 0.05}, 1)};

@@ -112,6 +112,26 @@ TEST(ColliderTest, OpenMeshFacesTheSheetAndUpwardsWhereTheSheetLiesInIt) {
   }
 }
 
+TEST(ColliderTest, AnOpenMeshFacesASheetThatBeginsBesideItAsIfItWentOn) {
+  // of a table that ends at x = -1: 3 mm below its level, above it, and on both sides of it
+  for (const double height : {-0.003, 0.003, 0.0})
+    for (const bool turned : {false, true}) {
+      std::vector<ColliderMesh> meshes{ground()};
+      const double edge = meshes[0].x.col(0).maxCoeff();
+      Points3 x(3, 3);
+      x << edge, 0, height, edge + 0.1, 0, height - 0.001, edge, 0.1, height + 0.001;
+      if (turned) meshes[0].triangles.col(1).swap(meshes[0].triangles.col(2));
+      face_the_sheet(meshes, x, Points3(0, 3));
+      const Collider facing(meshes[0]);
+      EXPECT_EQ(facing.nearest({0.01, 0.02, 0.001}, 1, 1).distance > 0, height >= 0) << height;
+      // and a handle that is keyed to go over it or under it knows better
+      Points3 keyed(1, 3);
+      keyed << 0.01, 0.02, -height;
+      face_the_sheet(meshes, x, keyed);
+      EXPECT_EQ(Collider(meshes[0]).nearest({0.01, 0.02, 0.001}, 1, 1).distance > 0, height <= 0);
+    }
+}
+
 /// A sheet of a few triangles near a box, rumpled so that faces, edges and corners of both are
 /// within dhat.
 struct Near {

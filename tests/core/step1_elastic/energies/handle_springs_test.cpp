@@ -1,5 +1,6 @@
 #include "core/step1_elastic/energies/handle_springs.h"
 
+#include "core/geometry/measure.h"
 #include "core/step1_elastic/elastic.h"
 #include "tests/core/test_meshes.h"
 
@@ -11,8 +12,9 @@ namespace {
 TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
   BlockCholesky matrix(1, {});
   const double step = 1e-9;
-  for (const double way : {4e-6, 2e-3}) {  // [m] the paper follows; the spring gives way
-    const PositionConstraints springs{{0, {0.1, 0.2, 0.3}}};
+  // [m] the paper follows; the spring gives way; also on thin paper
+  for (const auto& [way, grip] : {std::pair(4e-6, 1.0), {2e-3, 1.0}, {2e-3, 0.05}}) {
+    const PositionConstraints springs{{0, {0.1, 0.2, 0.3}, 0, grip}};
     const Points3 x = (Vector3d(0.1, 0.2, 0.3) + way * Vector3d(2, -1, 2) / 3).transpose();
     EXPECT_EQ(gives_way(springs[0], x), way > 1e-3);
     const auto differentiate_at = [&](const Points3& y, Points3& gradient) {
@@ -22,7 +24,7 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
     };
     Points3 gradient, before, after;
     EXPECT_EQ(differentiate_at(x, gradient), spring_energy(springs, x));
-    ASSERT_GT(gradient.norm(), 0.1);
+    ASSERT_GT(gradient.norm(), 0.1 * grip);
     const Eigen::MatrixXd second = matrix.dense();
     for (int k = 0; k < 3; ++k) {
       Points3 ahead = x, behind = x;
@@ -36,6 +38,30 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
       EXPECT_LT((change.transpose() - second.col(k)).norm(), 1e-4 * second.norm());
     }
   }
+}
+
+TEST(HandleSpringsTest, HandlesThatPullPaperLongerThanItIsStretchNoGradeMoreThanCopyPaper) {
+  const auto stretch_of = [](const Paper& paper) {
+    Sheet sheet = test::hex_sheet(0.1, 0.02, 20);
+    Elastic elastic(paper, {});
+    elastic.set_mesh(sheet);
+    PositionConstraints ends;
+    for (int v = 0; v < sheet.x.rows(); ++v)
+      for (const double at : {0.0, 0.1})
+        if (std::abs(sheet.pattern(v, 0) - at) < 1e-9) {
+          const Vector3d further(at > 0 ? 0.01 : 0, 0, 0);
+          ends.push_back({v, sheet.x.row(v).transpose() + further, 0, grip_on(paper)});
+        }
+    elastic.step(sheet, {ends}, 1 / 24.0);
+    return length_distortion(sheet).largest;
+  };
+  Paper tissue;  // tissue17
+  tissue.thickness = 40e-6;
+  tissue.membrane_stiffness = 1.2e4;
+  tissue.bending_stiffness = 1.8e-6;
+  const double copy = stretch_of({});
+  EXPECT_GT(copy, 1e-4);
+  EXPECT_NEAR(stretch_of(tissue), copy, 0.1 * copy);  // held as copy paper is: 30 times as much
 }
 
 TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
