@@ -1,5 +1,6 @@
 #include "core/geometry/collider.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
 #include "core/model/serializer.h"
@@ -7,22 +8,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace paperbake {
 
-struct MeshEdges {
-  struct Wing {
-    int triangle, corner;  // the edge lies opposite this corner
-    bool forwards;         // the triangle runs from the smaller vertex number to the larger
-  };
-  std::map<std::pair<int, int>, std::vector<Wing>> wings;  // by the ends, the smaller first
-};
-
 namespace {
-
-using Wing = MeshEdges::Wing;
 
 constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle counts as flat
 constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
@@ -30,16 +20,6 @@ constexpr double of_thickness = 0.3;  // [1] depth() over the shortest side of a
 constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
-
-MeshEdges edges_of(const Triangles& triangles) {
-  MeshEdges edges;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
-      edges.wings[std::minmax(a, b)].push_back({t, i, a < b});
-    }
-  return edges;
-}
 
 double volume(const Points3& x, const Triangles& triangles) {
   double six = 0;
@@ -61,8 +41,8 @@ Vector3d sides_of_box(const Points3& x) {
 }
 
 bool is_closed(const MeshEdges& edges) {
-  return std::all_of(edges.wings.begin(), edges.wings.end(), [](const auto& e) {
-    return e.second.size() == 2 && e.second[0].forwards != e.second[1].forwards;
+  return std::all_of(edges.begin(), edges.end(), [](const MeshEdge& e) {
+    return e.size() == 2 && e[0].forwards != e[1].forwards;
   });
 }
 
@@ -141,10 +121,10 @@ ColliderMesh Collider::mesh_with_frames() const {
 void Collider::prepare() {
   Triangles& triangles = mesh_.triangles;
   const Points3& x = mesh_.x;
-  closed_ = is_closed(edges_of(triangles));
+  closed_ = is_closed(MeshEdges(triangles));
   const bool holds_paper = mesh_.paper_side == ColliderMesh::PaperSide::inside;
   if (closed_ && (volume(x, triangles) < 0) != holds_paper) triangles.col(1).swap(triangles.col(2));
-  const MeshEdges edges = edges_of(triangles);
+  const MeshEdges edges(triangles);
   const Vector3d sides = sides_of_box(x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
@@ -184,28 +164,28 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
   border_edge_.assign(triangles.rows(), {0, 0, 0});
   std::vector<char> sharp(x.rows(), 0);
   std::vector<Eigen::AlignedBox3d> edge_boxes;
-  for (const auto& [ends, wings] : edges.wings) {
-    const int a = ends.first, b = ends.second;
+  for (const MeshEdge& sides : edges) {
+    const int a = sides.low, b = sides.high;
     Vector3d sum = Vector3d::Zero();
-    for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
-    const bool border = wings.size() == 1;
-    for (const Wing& w : wings) {
-      edge_normal_[w.triangle][w.corner] = sum.normalized();
-      border_edge_[w.triangle][w.corner] = border;
+    for (const TriangleSide& s : sides) sum += row(face_normal_, s.triangle);
+    const bool border = sides.size() == 1;
+    for (const TriangleSide& s : sides) {
+      edge_normal_[s.triangle][s.corner] = sum.normalized();
+      border_edge_[s.triangle][s.corner] = border;
     }
     const Vector3d along = (row(x, b) - row(x, a)).normalized();
-    const auto inward = [&](const Wing& w) -> Vector3d {
-      const Vector3d to = row(x, triangles(w.triangle, w.corner)) - row(x, a);
+    const auto inward = [&](const TriangleSide& s) -> Vector3d {
+      const Vector3d to = row(x, triangles(s.triangle, s.corner)) - row(x, a);
       return (to - along * along.dot(to)).normalized();
     };
-    Edge edge{a, b, {inward(wings[0]), -row(face_normal_, wings[0].triangle)}, border};
+    Edge edge{a, b, {inward(sides[0]), -row(face_normal_, sides[0].triangle)}, border};
     if (border) {
       border_vertex_[a] = border_vertex_[b] = 1;
     } else {
-      edge.inward[1] = inward(wings[1]);
+      edge.inward[1] = inward(sides[1]);
       const double turns = std::acos(std::clamp(
-          face_normal_.row(wings[0].triangle).dot(face_normal_.row(wings[1].triangle)), -1.0, 1.0));
-      const bool convex = edge.inward[0].dot(row(face_normal_, wings[1].triangle)) < 0;
+          face_normal_.row(sides[0].triangle).dot(face_normal_.row(sides[1].triangle)), -1.0, 1.0));
+      const bool convex = edge.inward[0].dot(row(face_normal_, sides[1].triangle)) < 0;
       if (turns < flat || !convex) continue;
     }
     sharp[a] = sharp[b] = 1;
@@ -220,10 +200,10 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
 void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sharp) {
   const Points3& x = mesh_.x;
   std::vector<std::vector<Vector3d>> outgoing(x.rows());
-  for (const auto& [ends, wings] : edges.wings) {
-    const Vector3d along = (row(x, ends.second) - row(x, ends.first)).normalized();
-    outgoing[ends.first].push_back(along);
-    outgoing[ends.second].push_back(-along);
+  for (const MeshEdge& e : edges) {
+    const Vector3d along = (row(x, e.high) - row(x, e.low)).normalized();
+    outgoing[e.low].push_back(along);
+    outgoing[e.high].push_back(-along);
   }
   std::vector<Eigen::AlignedBox3d> corner_boxes;
   for (int v = 0; v < x.rows(); ++v) {

@@ -37,7 +37,7 @@ struct SurfacePoint {
   bool on_border = false;  // of an open mesh
 };
 
-struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
+class MeshEdges;
 
 /// An obstacle for the paper at one time, prepared for distance queries. For a closed mesh the
 /// inside is forbidden, whatever the orientation of its triangles; for one that holds the paper, as

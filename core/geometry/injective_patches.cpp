@@ -1,5 +1,7 @@
 #include "core/geometry/injective_patches.h"
 
+#include "core/geometry/mesh_edges.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,20 +21,15 @@ constexpr int max_levels = 4;       // of squares whose boxes are kept: up to 8 
 // [cells] by how much more than its triangles a rectangle reaches, for ways that are not straight
 constexpr double margin = 0.1;
 
-/// The edges with a triangle on one side only, each from its start to its end; nothing when an edge
-/// has two triangles on the same side.
-std::optional<std::map<int, int>> border_of(const Triangles& triangles) {
-  std::vector<std::pair<int, int>> edges;
-  edges.reserve(triangles.size());
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) edges.emplace_back(triangles(t, i), triangles(t, (i + 1) % 3));
-  std::sort(edges.begin(), edges.end());
-  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return {};
+/// Where the border goes on from each of its vertices; nothing when an edge has two triangles on
+/// the same side, or a vertex two borders.
+std::optional<std::map<int, int>> border_from(const Triangles& triangles) {
+  const MeshEdges edges(triangles);
+  for (const MeshEdge& e : edges)
+    if (e.size() > 2 || (e.size() == 2 && e[0].forwards == e[1].forwards)) return {};
   std::map<int, int> next;
-  for (const auto& [a, b] : edges)
-    if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a)) &&
-        !next.emplace(a, b).second)
-      return {};
+  for (const auto& [a, b] : border_of(edges))
+    if (!next.emplace(a, b).second) return {};
   return next;
 }
 
@@ -103,7 +100,7 @@ bool proves_injective(const GradientBox& box) {
 InjectivePatches::InjectivePatches(const Points2& pattern, const Triangles& triangles)
     : triangles_(triangles) {
   if (triangles.rows() == 0 || !pattern.allFinite()) return;
-  const auto border = border_of(triangles);
+  const auto border = border_from(triangles);
   if (!border) return;
   double edges = 0;
   for (int t = 0; t < triangles.rows(); ++t) {

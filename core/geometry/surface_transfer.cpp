@@ -1,5 +1,6 @@
 #include "core/geometry/surface_transfer.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/point_location.h"
 
 #include <algorithm>
@@ -22,17 +23,14 @@ struct Beside {
 };
 
 std::vector<Beside> inner_edges(const Triangles& triangles) {
-  std::map<std::pair<int, int>, std::pair<int, int>> left;  // triangle and its corner at the start
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) left[{triangles(t, k), triangles(t, (k + 1) % 3)}] = {t, k};
   std::vector<Beside> found;
-  for (const auto& [edge, first] : left) {
-    if (edge.first > edge.second) continue;
-    const auto second = left.find({edge.second, edge.first});
-    if (second == left.end()) continue;
-    const auto [t, k] = first;
-    const auto [u, j] = second->second;
-    found.push_back({{t, u}, {k, (j + 1) % 3}, {(k + 1) % 3, j}});
+  for (const MeshEdge& e : MeshEdges(triangles)) {
+    if (e.size() != 2 || e[0].forwards == e[1].forwards) continue;
+    const TriangleSide &there = e[!e[0].forwards], &back = e[e[0].forwards];
+    const auto after = [](const TriangleSide& side, int k) { return (side.corner + k) % 3; };
+    found.push_back({{there.triangle, back.triangle},
+                     {after(there, 1), after(back, 2)},
+                     {after(there, 2), after(back, 1)}});
   }
   return found;
 }

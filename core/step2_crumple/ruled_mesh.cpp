@@ -2,12 +2,12 @@
 
 #include "core/geometry/constrained_delaunay.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_edges.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 namespace paperbake {
 namespace {
@@ -251,12 +251,7 @@ double min_altitude(const RuledMesh& mesh) {
 }  // namespace
 
 BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
-  std::set<std::pair<int, int>> border;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const std::pair<int, int> edge{triangles(t, i), triangles(t, (i + 1) % 3)};
-      if (!border.erase({edge.second, edge.first})) border.insert(edge);
-    }
+  const std::vector<std::pair<int, int>> border = border_of(MeshEdges(triangles));
   std::map<int, int> next(border.begin(), border.end());
   std::vector<char> outside(pattern.rows(), 0);
   BaseMesh base;

@@ -1,5 +1,6 @@
 #include "formats/scene/flat_sheet.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
 #include "formats/scene/scene_unroll.h"
@@ -63,16 +64,11 @@ AuthoredSurface authored_on(const ImportedFile& file, int node, const WeldedMesh
 /// The loops of the border, with the paper on their left: outlines counter-clockwise, holes
 /// clockwise.
 std::vector<Loop> border_loops(const Triangles& triangles, const std::string& place) {
-  std::map<std::pair<int, int>, int> directed;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) directed[{triangles(t, k), triangles(t, (k + 1) % 3)}] = t;
   std::map<int, int> next;
-  for (const auto& [edge, t] : directed) {
-    if (directed.count({edge.second, edge.first})) continue;
-    if (!next.emplace(edge.first, edge.second).second)
+  for (const auto& [from, to] : border_of(MeshEdges(triangles)))
+    if (!next.emplace(from, to).second)
       throw Error(ErrorCode::scene, place, "The border of the mesh touches itself at a vertex.",
                   "Split that vertex, or join the faces there by an edge.");
-  }
   std::vector<Loop> loops;
   while (!next.empty()) {
     loops.emplace_back();

@@ -1,5 +1,6 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/proximity.h"
 #include "core/step1_elastic/contact/barrier.h"
 #include "core/step1_elastic/contact/friction.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace paperbake {
 namespace {
@@ -41,12 +41,8 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
       held_(vertices, 0),
       reduction_(vertices, 0.0) {
   std::vector<SheetFeature> features;
-  std::set<std::pair<int, int>> edges;
   for (int v = 0; v < vertices; ++v) features.push_back({{v, -1, -1}, 1, {}});
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      edges.insert(std::minmax(triangles(t, i), triangles(t, (i + 1) % 3)));
-  for (const auto& [a, b] : edges) features.push_back({{a, b, -1}, 2, {}});
+  for (const MeshEdge& e : MeshEdges(triangles)) features.push_back({{e.low, e.high, -1}, 2, {}});
   for (int t = 0; t < triangles.rows(); ++t)
     features.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, 3, {}});
   for (ColliderState& a : states_) {
