@@ -1,6 +1,7 @@
 #include "core/geometry/injective_patches.h"
 
 #include "core/geometry/mesh_edges.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ double reflex_turn(const Points2& pattern, const std::map<int, int>& next) {
     if (of_b == next.end()) return never;
     const int b = of_a->second, c = of_b->second;
     const Vector2d d = pattern.row(b) - pattern.row(a), e = pattern.row(c) - pattern.row(b);
-    const double turn = std::atan2(d.x() * e.y() - d.y() * e.x(), d.dot(e));
+    const double turn = std::atan2(cross(d, e), d.dot(e));
     turned += turn;
     reflex += std::max(0.0, -turn);
     a = b;
@@ -59,7 +60,7 @@ double reflex_turn(const Points2& pattern, const std::map<int, int>& next) {
 /// not finite; nothing when the triangle is turned over.
 std::optional<std::array<double, 4>> to_gradient(const Vector2d& u, const Vector2d& v) {
   constexpr double inexact = 1e-8;  // [1] sine of an angle
-  const double area = u.x() * v.y() - u.y() * v.x();
+  const double area = cross(u, v);
   if (!(area > 0)) return {};
   if (area < inexact * u.norm() * v.norm()) return {{NAN, NAN, NAN, NAN}};
   return {{v.y() / area, -v.x() / area, -u.y() / area, u.x() / area}};

@@ -1,5 +1,7 @@
 #include "core/geometry/measure.h"
 
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -67,7 +69,7 @@ double angle_defect_max(const Sheet& sheet) {
       angle[a] += angle_between(sheet.x.row(b) - sheet.x.row(a), sheet.x.row(c) - sheet.x.row(a));
       const Vector2d u = sheet.pattern.row(b) - sheet.pattern.row(a),
                      v = sheet.pattern.row(c) - sheet.pattern.row(a);
-      flat[a] += std::atan2(std::abs(u.x() * v.y() - u.y() * v.x()), u.dot(v));
+      flat[a] += std::atan2(std::abs(cross(u, v)), u.dot(v));
     }
   double worst = 0;
   for (long v = 0; v < n; ++v) {

@@ -2,6 +2,7 @@
 
 #include "core/geometry/mesh_edges.h"
 #include "core/geometry/point_location.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,9 +59,8 @@ Vector3d weights_in(const AuthoredSurface& authored, int triangle, const Vector2
     return Vector2d(authored.pattern.row(authored.triangles(triangle, k)));
   };
   const Vector2d a = corner(1) - corner(0), b = corner(2) - corner(0), d = p - corner(0);
-  const double area = a.x() * b.y() - a.y() * b.x();
-  const double u = (d.x() * b.y() - d.y() * b.x()) / area,
-               v = (a.x() * d.y() - a.y() * d.x()) / area;
+  const double area = cross(a, b);
+  const double u = cross(d, b) / area, v = cross(a, d) / area;
   return {1 - u - v, u, v};
 }
 
@@ -127,7 +127,7 @@ std::vector<std::pair<int, int>> joined(std::vector<std::pair<int, int>> segment
               b = second.first == v ? second.second : second.first;
     const Vector2d in = (pattern.row(v) - pattern.row(a)).normalized(),
                    out = (pattern.row(b) - pattern.row(v)).normalized();
-    if (in.dot(out) < 0 || std::abs(in.x() * out.y() - in.y() * out.x()) > straight) continue;
+    if (in.dot(out) < 0 || std::abs(cross(in, out)) > straight) continue;
     std::vector<std::size_t>& at_b = at[b];
     std::replace(at_b.begin(), at_b.end(), meeting[1], meeting[0]);
     first = {a, b};

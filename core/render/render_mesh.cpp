@@ -67,9 +67,9 @@ class Sites {
 /// Where segment a crosses segment b: fraction of a in (0, 1); negative: nowhere.
 double crossing(const CreaseSegment& a, const CreaseSegment& b) {
   const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
-  const double det = d.x() * e.y() - d.y() * e.x();
+  const double det = cross(d, e);
   if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
-  const double s = (w.x() * e.y() - w.y() * e.x()) / det, t = (w.x() * d.y() - w.y() * d.x()) / det;
+  const double s = cross(w, e) / det, t = cross(w, d) / det;
   return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
 }
 
@@ -189,7 +189,7 @@ class Edges {
     for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
       const int v = it->first.second;
       const Vector2d p = pattern_.row(v) - pattern_.row(a);
-      if (has(v, b) && std::abs(p.x() * along.y() - p.y() * along.x()) < off) return v;
+      if (has(v, b) && std::abs(cross(p, along)) < off) return v;
     }
     return -1;
   }
@@ -206,7 +206,7 @@ class Edges {
     for (int i = 0; i < 3; ++i) {
       const Vector2d u = pattern_.row(v[(i + 1) % 3]) - pattern_.row(v[i]),
                      w = pattern_.row(v[(i + 2) % 3]) - pattern_.row(v[i]);
-      least = std::min(least, std::atan2(u.x() * w.y() - u.y() * w.x(), u.dot(w)));
+      least = std::min(least, std::atan2(cross(u, w), u.dot(w)));
     }
     return least;
   }

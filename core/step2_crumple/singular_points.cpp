@@ -178,7 +178,7 @@ bool triangles_stay(const Sheet& sheet, int vertex, const Vector2d& p) {
       return v == vertex ? at_vertex : Vector2d(sheet.pattern.row(v));
     };
     const Vector2d u = corner(1) - corner(0), w = corner(2) - corner(0);
-    return u.x() * w.y() - u.y() * w.x();
+    return cross(u, w);
   };
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     if ((sheet.triangles.row(t).array() == vertex).any() &&

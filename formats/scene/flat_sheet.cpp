@@ -84,7 +84,7 @@ std::vector<Loop> border_loops(const Triangles& triangles, const std::string& pl
 
 double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d ab = b - a;
-  return std::abs(ab.x() * (p - a).y() - ab.y() * (p - a).x()) / ab.norm();
+  return std::abs(cross(ab, p - a)) / ab.norm();
 }
 
 /// The corners of a loop, beginning with the lowest of its leftmost vertices, which must be one.
@@ -173,7 +173,7 @@ void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all
       const auto uv = [&](int k) {
         return Vector2d(edge(all.uv, all.triangles, k).cwiseProduct(Vector2d(mirrored, 1)));
       };
-      area += uv(0).x() * uv(1).y() - uv(0).y() * uv(1).x();
+      area += cross(uv(0), uv(1));
       for (int k = 0; k < 3; ++k) {
         const Vector2d a = uv(k), b = edge(flat, triangles, k);
         same += a.dot(b);

@@ -1,6 +1,7 @@
 #include "core/step1_elastic/contact/separation_bound.h"
 
 #include "core/geometry/mesh_edges.h"
+#include "core/model/segment2.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -17,8 +18,7 @@ bool is_convex(const Points2& pattern, const Triangles& triangles) {
     const Eigen::RowVector2d a = pattern.row(from), e = pattern.row(to) - a;
     const double least = -1e-9 * e.squaredNorm();
     for (int v = 0; v < pattern.rows(); ++v)
-      if (const Eigen::RowVector2d p = pattern.row(v) - a; e.x() * p.y() - e.y() * p.x() < least)
-        return false;
+      if (const Eigen::RowVector2d p = pattern.row(v) - a; cross(e, p) < least) return false;
   }
   return true;
 }

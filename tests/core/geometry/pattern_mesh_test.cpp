@@ -1,4 +1,5 @@
 #include "core/geometry/pattern_mesh.h"
+#include "core/model/segment2.h"
 
 #include "core/model/error.h"
 #include "tests/core/test_shots.h"
@@ -56,7 +57,7 @@ double area_of(const PatternMesh& mesh, int t) {
   const Vector2d a = mesh.vertices.row(mesh.triangles(t, 0)),
                  b = mesh.vertices.row(mesh.triangles(t, 1)),
                  c = mesh.vertices.row(mesh.triangles(t, 2));
-  return 0.5 * ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+  return 0.5 * cross(b - a, c - a);
 }
 
 double smallest_angle(const PatternMesh& mesh, int t) {

@@ -1,4 +1,5 @@
 #include "core/step1_elastic/energies/air_drag.h"
+#include "core/model/segment2.h"
 
 #include "core/step1_elastic/elastic.h"
 #include "tests/core/test_meshes.h"
@@ -97,7 +98,7 @@ double energy_of(const Elastic& elastic, const Paper& paper, const Sheet& sheet)
     const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
                    b = sheet.pattern.row(sheet.triangles(t, 1)),
                    c = sheet.pattern.row(sheet.triangles(t, 2));
-    const double area = 0.5 * std::abs((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+    const double area = 0.5 * std::abs(cross(b - a, c - a));
     for (int i = 0; i < 3; ++i)
       kinetic += paper.area_density * area / 6 * sheet.v.row(sheet.triangles(t, i)).squaredNorm();
   }
