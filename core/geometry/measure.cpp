@@ -1,5 +1,6 @@
 #include "core/geometry/measure.h"
 
+#include "core/geometry/singular_vertices.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -71,14 +72,11 @@ double angle_defect_max(const Sheet& sheet) {
                      v = sheet.pattern.row(c) - sheet.pattern.row(a);
       flat[a] += std::atan2(std::abs(cross(u, v)), u.dot(v));
     }
+  const std::vector<char> singular = singular_vertices(sheet);
   double worst = 0;
   for (long v = 0; v < n; ++v) {
     const bool inside = std::abs(flat[v] - 2 * M_PI) < 1e-6;
-    const bool singular =
-        std::any_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
-          return (s.pattern - sheet.pattern.row(v).transpose()).norm() < 1e-9;
-        });
-    if (inside && !singular) worst = std::max(worst, std::abs(2 * M_PI - angle[v]));
+    if (inside && !singular[v]) worst = std::max(worst, std::abs(2 * M_PI - angle[v]));
   }
   return worst;
 }

@@ -1,6 +1,7 @@
 #include "core/step2_crumple/remesh_schedule.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/singular_vertices.h"
 #include "core/model/serializer.h"
 
 #include <algorithm>
@@ -9,10 +10,7 @@
 namespace paperbake {
 
 MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& regions) {
-  std::vector<char> singular(sheet.pattern.rows(), 0);
-  for (const SingularPoint& s : sheet.singular)
-    for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
+  const std::vector<char> singular = singular_vertices(sheet);
   MeshFit fit;
   double off = 0, all = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {

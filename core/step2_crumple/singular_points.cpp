@@ -6,6 +6,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
 #include "core/geometry/random.h"
+#include "core/geometry/singular_vertices.h"
 #include "core/geometry/vertex_rings.h"
 #include "core/model/segment2.h"
 
@@ -77,14 +78,6 @@ bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) 
 }
 
 }  // namespace
-
-std::vector<char> singular_vertices(const Sheet& sheet) {
-  std::vector<char> singular(sheet.pattern.rows(), 0);
-  for (const SingularPoint& s : sheet.singular)
-    for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
-  return singular;
-}
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
                          const std::vector<char>& fixed, const CrumpleOptions& options) {

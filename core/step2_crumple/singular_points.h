@@ -30,9 +30,6 @@ struct Conflicts {
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed,
                          const CrumpleOptions&);
 
-/// |V| 1: the vertex is a singular point.
-std::vector<char> singular_vertices(const Sheet&);
-
 /// The point at which a conflict is aimed. The mesh is too coarse to take the worst vertex: a
 /// d-cone shows as positive Gaussian curvature in its core, between saddles, so its middle is the
 /// mean of the free vertices within 1.6 ring sizes of the worst one, weighted with `core_weight`.
