@@ -448,7 +448,8 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     // what is inside already has to be able to come out
     if (feature_pair(collider, feature, k, y, states_[c].side).where != FeaturePair::outside)
       return;
-    const double free = paperbake::collision_free_step(x, m, edges);
+    const double free = paperbake::collision_free_step(
+        x, m, edges ? Features::two_edges : Features::vertex_and_triangle);
     if (free < 1 && free > 0) share *= free;
   };
   if (feature.corners == 2)

@@ -17,8 +17,8 @@ constexpr double frame = 1.0 / 24;  // [s]
 
 using Corners = std::array<Vector3d, 4>;
 
-double distance(const Corners& x, bool edges) {
-  return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance();
+double distance(const Corners& x, Features features) {
+  return closest_points(x, features).distance();
 }
 
 /// A second sheet beside the first on the pattern, so far away that no features of the two are
@@ -81,20 +81,20 @@ TEST(BarrierTest, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
   const auto point = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
   int stopped = 0;
   for (int k = 0; k < 4000; ++k) {
-    const bool edges = k % 2;
+    const Features features = k % 2 ? Features::two_edges : Features::vertex_and_triangle;
     Corners x, move;
     for (int i = 0; i < 4; ++i) {
       x[i] = point();
       move[i] = 5 * point();
     }
-    const double share = collision_free_step(x, move, edges), d = distance(x, edges);
+    const double share = collision_free_step(x, move, features), d = distance(x, features);
     ASSERT_GE(share, 0);
     ASSERT_LE(share, 1);
     stopped += share < 1;
     for (int i = 1; i <= 200; ++i) {
       Corners at;
       for (int j = 0; j < 4; ++j) at[j] = x[j] + share * i / 200 * move[j];
-      ASSERT_GT(distance(at, edges), 0.19 * d) << k;
+      ASSERT_GT(distance(at, features), 0.19 * d) << k;
     }
   }
   EXPECT_GT(stopped, 500);
@@ -103,7 +103,7 @@ TEST(BarrierTest, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
 TEST(BarrierTest, AVertexThatFliesStraightAtATriangleGoesFourFifthsOfTheGap) {
   const Corners x{Vector3d(0, 0, 1), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
   const Corners move{Vector3d(0, 0, -100), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
-  EXPECT_NEAR(100 * collision_free_step(x, move, false), 0.8, 0.01);
+  EXPECT_NEAR(100 * collision_free_step(x, move, Features::vertex_and_triangle), 0.8, 0.01);
 }
 
 TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
@@ -111,10 +111,10 @@ TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
                   Vector3d(0, 1, 0)};
   Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
   // steps of what is left of the gap would need millions
-  EXPECT_EQ(collision_free_step(x, move, false), 1);
+  EXPECT_EQ(collision_free_step(x, move, Features::vertex_and_triangle), 1);
   move[0].z() = -2e-7;
   // a twentieth of a tight gap may be used
-  EXPECT_NEAR(collision_free_step(x, move, false), 0.5 * (1 - 0.95), 1e-3);
+  EXPECT_NEAR(collision_free_step(x, move, Features::vertex_and_triangle), 0.5 * (1 - 0.95), 1e-3);
 }
 
 TEST(BarrierTest, GradientMatchesTheEnergyWithManyActivePairs) {
@@ -203,9 +203,9 @@ TEST(BarrierTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {});
   contact.update_candidates(sheet.x, move);
-  std::set<std::pair<std::set<int>, bool>> listed;
+  std::set<std::pair<std::set<int>, Features>> listed;
   for (const ContactPair& p : contact.pairs())
-    listed.insert({{p.vertices.begin(), p.vertices.end()}, p.edges});
+    listed.insert({{p.vertices.begin(), p.vertices.end()}, p.features});
   int within = 0;
   for (const double share : {0.0, 0.3, 0.7, 1.0}) {
     const Points3 x = sheet.x + share * move;
@@ -217,15 +217,18 @@ TEST(BarrierTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
           return Vector3d(points(k, 0), points(k, 1),
                           points.cols() > 2 ? points(k, points.cols() - 1) : 0.0);
         };
-        const double d = distance({at(x, v), at(x, c[0]), at(x, c[1]), at(x, c[2])}, false);
+        const double d = distance({at(x, v), at(x, c[0]), at(x, c[1]), at(x, c[2])},
+                                  Features::vertex_and_triangle);
         const auto flat = [&](int k) {
           return Vector3d(sheet.pattern(k, 0), sheet.pattern(k, 1), 0);
         };
-        if (d >= std::min(contact.dhat(),
-                          0.3 * distance({flat(v), flat(c[0]), flat(c[1]), flat(c[2])}, false)))
+        if (d >=
+            std::min(contact.dhat(), 0.3 * distance({flat(v), flat(c[0]), flat(c[1]), flat(c[2])},
+                                                    Features::vertex_and_triangle)))
           continue;
         ++within;
-        EXPECT_TRUE(listed.count({{v, c[0], c[1], c[2]}, false})) << v << " " << t;
+        EXPECT_TRUE(listed.count({{v, c[0], c[1], c[2]}, Features::vertex_and_triangle}))
+            << v << " " << t;
       }
   }
   EXPECT_GT(within, 20);
