@@ -92,7 +92,7 @@ TEST(AirDragTest, StillAirNeverDoesWorkOnASheet) {
 }
 
 /// Energy of a sheet that moves without weight. [J]
-double energy_of(const Elastic& elastic, const Paper& paper, const Sheet& sheet) {
+double energy_of(Elastic& elastic, const Paper& paper, const Sheet& sheet) {
   double kinetic = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
