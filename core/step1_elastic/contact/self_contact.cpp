@@ -105,7 +105,7 @@ Contact::Contact(const Points2& pattern, const Triangles& triangles, SheetPartit
       candidate_margin_(0.5 * dhat_),
       constraint_of_(pattern.rows(), -1) {}
 
-SweptBoxPairs& Contact::near() const {
+SweptBoxPairs& Contact::near() {
   if (!near_) near_.emplace(triangles_);
   return *near_;
 }
@@ -165,7 +165,7 @@ double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features feat
 }
 
 template <class Visit>
-void Contact::for_each_pair(int a, int b, Visit visit) const {
+void Contact::for_each_pair(int a, int b, Visit visit) {
   const auto has = [&](int t, int v) {
     return triangles_(t, 0) == v || triangles_(t, 1) == v || triangles_(t, 2) == v;
   };
@@ -199,7 +199,7 @@ bool Contact::pair_collides(const Points3& from, const Points3& to, const std::a
   return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, features) < 1);
 }
 
-bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) const {
+bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) {
   bool met = false;
   for_each_pair(a, b, [&](const std::array<int, 4>& v, Features features) {
     met = met || pair_collides(from, to, v, features);

@@ -148,7 +148,7 @@ class Contact {
     bool placed = false;
   };
 
-  SweptBoxPairs& near() const;
+  SweptBoxPairs& near();
   void set_constraints(const Points3& start, const PositionConstraints& hard);
   void find_initially_intersecting(const Points3& x);
   bool initially_intersecting(const std::array<int, 4>& vertices, Features) const;
@@ -159,11 +159,11 @@ class Contact {
   Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;
   Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
-  void for_each_pair(int a, int b, Visit) const;
+  void for_each_pair(int a, int b, Visit);
   std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, Features features) const {
     return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[second_of(features)]]};
   }
-  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to) const;
+  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to);
   double dhat_of(const std::array<int, 4>& vertices, Features) const;
   double dhat_near_constraints(const std::array<int, 4>& vertices, Features, double dhat) const;
   bool pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
@@ -175,7 +175,7 @@ class Contact {
   Points2 pattern_;
   Triangles triangles_;
   std::optional<SeparationBound> separation_bound_;  // for a single sheet only
-  mutable std::optional<SweptBoxPairs> near_;        // made when it is first needed
+  std::optional<SweptBoxPairs> near_;                // made when it is first needed
   SheetPartition sheets_;
   double dhat_;
   // [m] how far vertices may be off the motion of the last update before the list is rebuilt
