@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "core/model/air.h"
 #include "core/model/local_energies.h"
 #include "core/model/paper.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "core/linear_algebra/block_cholesky.h"
 #include "core/step1_elastic/contact/collider_distances.h"
 #include "core/step1_elastic/contact/friction_history.h"
