@@ -4,9 +4,11 @@
 #include "core/geometry/developable_curvature.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/model/serializer.h"
+#include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/edge_flips.h"
 #include "core/step2_crumple/find_fold_lines.h"
 #include "core/step2_crumple/singular_points.h"
+#include "core/step2_crumple/vertex_insertion.h"
 
 #include <algorithm>
 #include <cmath>
