@@ -13,6 +13,7 @@
 namespace paperbake {
 namespace {
 
+using test::ell;
 using test::rectangle;
 
 std::vector<Vector2d> circle(const Vector2d& centre, double radius, int sides,
@@ -26,7 +27,6 @@ std::vector<Vector2d> circle(const Vector2d& centre, double radius, int sides,
 }
 
 Pattern disc() { return {circle({0.1, 0.1}, 0.1, 64), {}}; }
-Pattern ell() { return {{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}}, {}}; }
 Pattern holed() {
   return {rectangle(0.2, 0.2).outline,
           {circle({0.11, 0.09}, 0.04, 48, /*counter_clockwise=*/false)}};
