@@ -2,7 +2,7 @@
 
 #include "baker/bake/task_queue.h"
 #include "core/animation/cpu_clock.h"
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/surface_transfer.h"
 #include "core/step1_elastic/elastic.h"

@@ -1,6 +1,7 @@
 #include "baker/output/cache_judge.h"
 
 #include "baker/output/gates.h"
+#include "core/geometry/mesh_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +9,6 @@
 
 namespace paperbake {
 namespace {
-
-std::vector<std::array<int, 2>> edges_of(const Triangles& triangles) {
-  std::vector<std::array<int, 2>> edges;
-  edges.reserve(3 * static_cast<std::size_t>(triangles.rows()));
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const auto [a, b] = std::minmax(triangles(t, i), triangles(t, (i + 1) % 3));
-      edges.push_back({a, b});
-    }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
-}
 
 std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   std::vector<ColliderMesh> meshes;
@@ -61,8 +49,8 @@ CacheJudge::CacheJudge(const Points2& uv, const Triangles& triangles, double lon
       triangles_(triangles),
       crossings_(pattern_, triangles),
       colliders_(std::move(colliders)) {
-  for (const auto& [a, b] : edges_of(triangles))
-    edges_.push_back({a, b, (pattern_.row(a) - pattern_.row(b)).norm()});
+  for (const MeshEdge& e : MeshEdges(triangles))
+    edges_.push_back({e.low, e.high, (pattern_.row(e.low) - pattern_.row(e.high)).norm()});
 }
 
 bool CacheJudge::is_of(const CacheFrame& frame) const {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "baker/job/settings.h"
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
 #include "formats/files/raster_image.h"

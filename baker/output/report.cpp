@@ -3,7 +3,7 @@
 #include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
 #include "baker/output/report_parts.h"
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "formats/files/json.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "core/model/serializer.h"
 
 #include <string>

@@ -121,7 +121,7 @@ std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const Unfold
 }
 
 /// [J] What the sheet stores, and what its handles spend on being where they cannot be.
-double spent_by(const Elastic& elastic, const Sheet& sheet, const StepInput& input) {
+double spent_by(Elastic& elastic, const Sheet& sheet, const StepInput& input) {
   return elastic.evaluate_energies(sheet).energy + spring_energy(input.constraints, sheet.x);
 }
 

@@ -139,7 +139,7 @@ class SheetSimulation {
   /// Leaves the sheet where it is.
   void skip_step();
   /// What the method is told before part of a frame. share: [1] of the frame
-  RemeshContext remesh_context(double share) const;
+  RemeshContext remesh_context(double share);
   /// Lets the method propose another mesh, and takes it if the sheet stays the same on it.
   void try_proposal(const RemeshContext&, const AdmissibilityCheck& is_admissible);
   /// Folds the sheet along a line that nobody announced, if there is one. To be called after a step

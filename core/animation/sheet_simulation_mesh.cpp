@@ -19,7 +19,7 @@ constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
 
 }  // namespace
 
-RemeshContext SheetSimulation::remesh_context(double share) const {
+RemeshContext SheetSimulation::remesh_context(double share) {
   const Sheet& sheet = simulated_.sheet;
   return {simulated_.fixed,
           simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,

@@ -1,28 +1,16 @@
 #include "core/geometry/collider.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
-#include "core/model/serializer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
 
 namespace paperbake {
 
-struct MeshEdges {
-  struct Wing {
-    int triangle, corner;  // the edge lies opposite this corner
-    bool forwards;         // the triangle runs from the smaller vertex number to the larger
-  };
-  std::map<std::pair<int, int>, std::vector<Wing>> wings;  // by the ends, the smaller first
-};
-
 namespace {
-
-using Wing = MeshEdges::Wing;
 
 constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle counts as flat
 constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
@@ -30,16 +18,6 @@ constexpr double of_thickness = 0.3;  // [1] depth() over the shortest side of a
 constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
-
-MeshEdges edges_of(const Triangles& triangles) {
-  MeshEdges edges;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
-      edges.wings[std::minmax(a, b)].push_back({t, i, a < b});
-    }
-  return edges;
-}
 
 double volume(const Points3& x, const Triangles& triangles) {
   double six = 0;
@@ -61,63 +39,12 @@ Vector3d sides_of_box(const Points3& x) {
 }
 
 bool is_closed(const MeshEdges& edges) {
-  return std::all_of(edges.wings.begin(), edges.wings.end(), [](const auto& e) {
-    return e.second.size() == 2 && e.second[0].forwards != e.second[1].forwards;
+  return std::all_of(edges.begin(), edges.end(), [](const MeshEdge& e) {
+    return e.size() == 2 && e[0].forwards != e[1].forwards;
   });
 }
 
 }  // namespace
-
-void Collider::Tree::build(std::vector<Eigen::AlignedBox3d> boxes) {
-  nodes_.clear();
-  std::vector<int> items(boxes.size());
-  std::iota(items.begin(), items.end(), 0);
-  if (!items.empty()) build(items, 0, static_cast<int>(items.size()), boxes);
-}
-
-int Collider::Tree::build(std::vector<int>& items, int begin, int end,
-                          const std::vector<Eigen::AlignedBox3d>& boxes) {
-  const int at = static_cast<int>(nodes_.size());
-  nodes_.emplace_back();
-  Eigen::AlignedBox3d box;
-  for (int k = begin; k < end; ++k) box.extend(boxes[items[k]]);
-  nodes_[at].box = box;
-  if (end - begin == 1) {
-    nodes_[at].item = items[begin];
-    return at;
-  }
-  int axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const int middle = (begin + end) / 2;
-  std::nth_element(items.begin() + begin, items.begin() + middle, items.begin() + end,
-                   [&](int a, int b) {
-                     const double ca = boxes[a].min()[axis] + boxes[a].max()[axis],
-                                  cb = boxes[b].min()[axis] + boxes[b].max()[axis];
-                     return ca != cb ? ca < cb : a < b;
-                   });
-  const int left = build(items, begin, middle, boxes), right = build(items, middle, end, boxes);
-  nodes_[at].left = left;
-  nodes_[at].right = right;
-  return at;
-}
-
-void Collider::Tree::visit(const Eigen::AlignedBox3d& box,
-                           const std::function<void(int)>& visit) const {
-  if (nodes_.empty()) return;
-  std::array<int, 64> open;
-  int top = 0;
-  open[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[open[--top]];
-    if (!node.box.intersects(box)) continue;
-    if (node.item >= 0)
-      visit(node.item);
-    else {
-      open[top++] = node.right;
-      open[top++] = node.left;
-    }
-  }
-}
 
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   frames_ = std::make_shared<const std::vector<Points3>>(std::move(mesh_.frames));
@@ -141,10 +68,10 @@ ColliderMesh Collider::mesh_with_frames() const {
 void Collider::prepare() {
   Triangles& triangles = mesh_.triangles;
   const Points3& x = mesh_.x;
-  closed_ = is_closed(edges_of(triangles));
+  closed_ = is_closed(MeshEdges(triangles));
   const bool holds_paper = mesh_.paper_side == ColliderMesh::PaperSide::inside;
   if (closed_ && (volume(x, triangles) < 0) != holds_paper) triangles.col(1).swap(triangles.col(2));
-  const MeshEdges edges = edges_of(triangles);
+  const MeshEdges edges(triangles);
   const Vector3d sides = sides_of_box(x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
@@ -184,28 +111,28 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
   border_edge_.assign(triangles.rows(), {0, 0, 0});
   std::vector<char> sharp(x.rows(), 0);
   std::vector<Eigen::AlignedBox3d> edge_boxes;
-  for (const auto& [ends, wings] : edges.wings) {
-    const int a = ends.first, b = ends.second;
+  for (const MeshEdge& sides : edges) {
+    const int a = sides.low, b = sides.high;
     Vector3d sum = Vector3d::Zero();
-    for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
-    const bool border = wings.size() == 1;
-    for (const Wing& w : wings) {
-      edge_normal_[w.triangle][w.corner] = sum.normalized();
-      border_edge_[w.triangle][w.corner] = border;
+    for (const TriangleSide& s : sides) sum += row(face_normal_, s.triangle);
+    const bool border = sides.size() == 1;
+    for (const TriangleSide& s : sides) {
+      edge_normal_[s.triangle][s.corner] = sum.normalized();
+      border_edge_[s.triangle][s.corner] = border;
     }
     const Vector3d along = (row(x, b) - row(x, a)).normalized();
-    const auto inward = [&](const Wing& w) -> Vector3d {
-      const Vector3d to = row(x, triangles(w.triangle, w.corner)) - row(x, a);
+    const auto inward = [&](const TriangleSide& s) -> Vector3d {
+      const Vector3d to = row(x, triangles(s.triangle, s.corner)) - row(x, a);
       return (to - along * along.dot(to)).normalized();
     };
-    Edge edge{a, b, {inward(wings[0]), -row(face_normal_, wings[0].triangle)}, border};
+    Edge edge{a, b, {inward(sides[0]), -row(face_normal_, sides[0].triangle)}, border};
     if (border) {
       border_vertex_[a] = border_vertex_[b] = 1;
     } else {
-      edge.inward[1] = inward(wings[1]);
+      edge.inward[1] = inward(sides[1]);
       const double turns = std::acos(std::clamp(
-          face_normal_.row(wings[0].triangle).dot(face_normal_.row(wings[1].triangle)), -1.0, 1.0));
-      const bool convex = edge.inward[0].dot(row(face_normal_, wings[1].triangle)) < 0;
+          face_normal_.row(sides[0].triangle).dot(face_normal_.row(sides[1].triangle)), -1.0, 1.0));
+      const bool convex = edge.inward[0].dot(row(face_normal_, sides[1].triangle)) < 0;
       if (turns < flat || !convex) continue;
     }
     sharp[a] = sharp[b] = 1;
@@ -220,10 +147,10 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
 void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sharp) {
   const Points3& x = mesh_.x;
   std::vector<std::vector<Vector3d>> outgoing(x.rows());
-  for (const auto& [ends, wings] : edges.wings) {
-    const Vector3d along = (row(x, ends.second) - row(x, ends.first)).normalized();
-    outgoing[ends.first].push_back(along);
-    outgoing[ends.second].push_back(-along);
+  for (const MeshEdge& e : edges) {
+    const Vector3d along = (row(x, e.high) - row(x, e.low)).normalized();
+    outgoing[e.low].push_back(along);
+    outgoing[e.high].push_back(-along);
   }
   std::vector<Eigen::AlignedBox3d> corner_boxes;
   for (int v = 0; v < x.rows(); ++v) {
@@ -346,141 +273,6 @@ int Collider::passes_through(const Vector3d& p, const Vector3d& q) const {
     }
   });
   return side;
-}
-
-namespace {
-
-/// Where the vertices of a collider are in a frame.
-const Points3& positions_at(const Collider& collider, int row) {
-  const std::vector<Points3>& frames = collider.frames();
-  if (frames.empty()) return collider.mesh().x;
-  return frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
-}
-
-std::shared_ptr<const Collider> shape_at(const Collider& collider, int row) {
-  const Points3& x = positions_at(collider, row);
-  if (&x == &collider.mesh().x || x == collider.mesh().x)
-    return {std::shared_ptr<void>(), &collider};
-  return std::make_shared<const Collider>(collider, x);
-}
-
-}  // namespace
-
-ColliderShapes shapes_at(const Colliders& colliders, int row) {
-  ColliderShapes shapes;
-  for (const Collider& c : colliders) shapes.push_back(shape_at(c, row));
-  return shapes;
-}
-
-ColliderMotion motion_to(const Colliders& colliders, int row) {
-  return motion_to(colliders, row, shapes_at(colliders, row - 1));
-}
-
-ColliderMotion motion_to(const Colliders& colliders, int row, ColliderShapes before) {
-  ColliderMotion motion{std::move(before), {}};
-  for (std::size_t c = 0; c < colliders.size(); ++c)
-    motion.to.push_back(motion.from[c]->mesh().x == positions_at(colliders[c], row)
-                            ? motion.from[c]
-                            : shape_at(colliders[c], row));
-  return motion;
-}
-
-double farthest_move(const Colliders& colliders, int row) {
-  double most = 0;
-  for (const Collider& c : colliders)
-    most = std::max(
-        most, (positions_at(c, row) - positions_at(c, row - 1)).rowwise().squaredNorm().maxCoeff());
-  return std::sqrt(most);
-}
-
-ColliderShapes between(const ColliderShapes& a, const ColliderShapes& b, double share) {
-  ColliderShapes on_the_way;
-  for (std::size_t c = 0; c < a.size(); ++c)
-    on_the_way.push_back(
-        a[c] == b[c] ? b[c]
-                     : std::make_shared<const Collider>(
-                           *b[c], Points3((1 - share) * a[c]->mesh().x + share * b[c]->mesh().x)));
-  return on_the_way;
-}
-
-void archive_shapes(Serializer& a, ColliderShapes& shapes, const Colliders& colliders) {
-  if (a.reads()) shapes.clear();
-  for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const Collider& first = colliders[c];
-    Points3 x;  // [m] none: those of the first frame
-    if (!a.reads() && shapes[c].get() != &first) x = shapes[c]->mesh().x;
-    a(x);
-    if (!a.reads()) continue;
-    a.require(x.rows() == 0 || (x.rows() == first.mesh().x.rows() && x.allFinite()));
-    if (x.rows() == 0)
-      shapes.emplace_back(std::shared_ptr<void>(), &first);
-    else
-      shapes.push_back(std::make_shared<const Collider>(first, x));
-  }
-}
-
-double farthest_move(const Collider& from, const Collider& to) {
-  return &from == &to ? 0
-                      : std::sqrt((to.mesh().x - from.mesh().x).rowwise().squaredNorm().maxCoeff());
-}
-
-double farthest_move(const ColliderShapes& from, const ColliderShapes& to) {
-  double most = 0;
-  for (std::size_t c = 0; c < from.size(); ++c)
-    most = std::max(most, farthest_move(*from[c], *to[c]));
-  return most;
-}
-
-namespace {
-
-/// The rotation from x, y, z to a triangle: its first edge, its normal, and across both.
-Eigen::Matrix3d frame_of(const std::array<Vector3d, 3>& corners) {
-  Eigen::Matrix3d frame;
-  frame.col(0) = (corners[1] - corners[0]).normalized();
-  frame.col(1) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  return frame;
-}
-
-}  // namespace
-
-Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double within,
-                 int side) {
-  if (&from == &to) return p;
-  const SurfacePoint near = from.nearest(p, within, side);
-  if (near.triangle < 0) return p;
-  std::array<Vector3d, 3> before, after;
-  for (int i = 0; i < 3; ++i) {
-    const int v = from.mesh().triangles(near.triangle, i);
-    before[i] = row(from.mesh().x, v);
-    after[i] = row(to.mesh().x, v);
-  }
-  const ClosestPoints at = vertex_to_triangle({p, before[0], before[1], before[2]});
-  const Vector3d there =
-      -(at.weights[1] * after[0] + at.weights[2] * after[1] + at.weights[3] * after[2]);
-  return there + frame_of(after) * (frame_of(before).transpose() * (p - near.at));
-}
-
-double push_out(const ColliderShapes& colliders, const Points3& known, double clearance,
-                Points3& x) {
-  constexpr double to_and_fro = 3;  // [1] passes: a point pushed out may have entered elsewhere
-  double deepest_found = 0;
-  for (const auto& shape : colliders) {
-    const Collider& collider = *shape;
-    for (int v = 0; v < x.rows(); ++v) {
-      const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
-      if (!collider.closed() && collider.nearest(row(x, v), range + clearance, 1).triangle < 0)
-        continue;
-      const int side = collider.side_of(row(x, v), row(known, v), range + 3 * collider.depth());
-      for (int k = 0; k < to_and_fro; ++k) {
-        const SurfacePoint near = collider.nearest(row(x, v), range + clearance, side);
-        if (!(near.distance < clearance)) break;
-        if (k == 0) deepest_found = std::max(deepest_found, -near.distance);
-        x.row(v) += (clearance - near.distance) * near.normal.transpose();
-      }
-    }
-  }
-  return deepest_found;
 }
 
 }  // namespace paperbake

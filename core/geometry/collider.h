@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/box_tree.h"
 #include "core/model/sheet.h"
 
 #include <Eigen/Geometry>
@@ -11,8 +12,6 @@
 #include <vector>
 
 namespace paperbake {
-
-class Serializer;
 
 /// A triangle mesh that the paper must not penetrate, as read from the scene.
 struct ColliderMesh {
@@ -37,7 +36,7 @@ struct SurfacePoint {
   bool on_border = false;  // of an open mesh
 };
 
-struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
+class MeshEdges;
 
 /// An obstacle for the paper at one time, prepared for distance queries. For a closed mesh the
 /// inside is forbidden, whatever the orientation of its triangles; for one that holds the paper, as
@@ -110,21 +109,6 @@ class Collider {
   int side_of(const Vector3d& p, const Vector3d& known, double within) const;
 
  private:
-  /// A bounding-box tree: the items are halved at the median along the longest side of their box.
-  class Tree {
-   public:
-    void build(std::vector<Eigen::AlignedBox3d> boxes);
-    void visit(const Eigen::AlignedBox3d&, const std::function<void(int)>&) const;
-
-   private:
-    struct Node {
-      Eigen::AlignedBox3d box;
-      int left = -1, right = -1, item = -1;
-    };
-    int build(std::vector<int>& items, int begin, int end,
-              const std::vector<Eigen::AlignedBox3d>& boxes);
-    std::vector<Node> nodes_;
-  };
   struct OnTriangle {
     Vector3d at, apart, pseudo_normal;  // closest point, vector from it to the query point
     bool border;
@@ -151,53 +135,12 @@ class Collider {
   std::vector<char> border_vertex_;
   std::vector<Edge> edges_;
   std::vector<Corner> corners_;
-  Tree triangle_tree_, edge_tree_, corner_tree_;
+  BoxTree triangle_tree_, edge_tree_, corner_tree_;
 };
 
 using Colliders = std::vector<Collider>;
 // the colliders as they are at one time. A collider that stands still is that of the Colliders,
 // which must outlive this
 using ColliderShapes = std::vector<std::shared_ptr<const Collider>>;
-
-/// The colliders in one frame; before the first and after the last key they stand still.
-/// row  frame - first frame of the scene
-ColliderShapes shapes_at(const Colliders&, int row);
-/// The colliders on the way from one shape to another: vertices go straight.
-/// share  [1] of the way
-ColliderShapes between(const ColliderShapes&, const ColliderShapes&, double share = 0.5);
-/// Writes where the vertices of the shapes are, or reads it; a collider that is where it was in the
-/// first frame takes no bytes.
-void archive_shapes(Serializer&, ColliderShapes&, const Colliders&);
-/// The colliders at the beginning and at the end of a step. Empty if there are none. A collider
-/// that does not move is one and the same object in both.
-struct ColliderMotion {
-  ColliderShapes from, to;
-};
-/// The motion from the row before to this one.
-ColliderMotion motion_to(const Colliders&, int row);
-/// The same, of which the beginning is there already. before  shapes_at(row - 1)
-ColliderMotion motion_to(const Colliders&, int row, ColliderShapes before);
-/// Largest displacement of any vertex of a collider. [m]
-double farthest_move(const Collider& from, const Collider& to);
-/// The same for all. [m]
-double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
-/// The same from the row before to this one. [m]
-double farthest_move(const Colliders&, int row);
-
-/// Where a point gets to that a moving collider carries along: it keeps its place beside the point
-/// of the surface that is nearest to it, and turns with the triangle there. For a collider that
-/// moves rigidly this is the rigid motion. A point that is farther from the surface than `within`
-/// [m], which is farthest_move() and a clearance, stays where it is.
-/// side  as in Collider::nearest
-Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double within,
-                 int side);
-
-/// Moves points of a sheet that are inside a collider, or closer to it than `clearance`, out of it.
-/// known      |V|x3 [m] points near x that are on the allowed side of open meshes: x itself, or the
-///            surface that x smooths
-/// clearance  [m]
-/// x          |V|x3 [m] the points, changed in place
-/// returns    [m] greatest depth of a point that was inside; 0 when none was
-double push_out(const ColliderShapes&, const Points3& known, double clearance, Points3& x);
 
 }  // namespace paperbake

@@ -1,8 +1,8 @@
 #include "core/geometry/crease_network.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/singular_vertices.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -24,12 +24,8 @@ CreaseNetwork crease_network(const Sheet& sheet) {
     creases_at[b].push_back({a, length});
     network.length += length;
   }
-  const auto is_end = [&](int v) {
-    return creases_at[v].size() != 2 ||
-           std::any_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
-             return (s.pattern.transpose() - sheet.pattern.row(v)).norm() < 1e-9;
-           });
-  };
+  const std::vector<char> singular = singular_vertices(sheet);
+  const auto is_end = [&](int v) { return creases_at[v].size() != 2 || singular[v]; };
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!is_end(v)) continue;
     network.count += 0.5 * creases_at[v].size();

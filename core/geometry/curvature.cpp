@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/linear_algebra/symmetric_eigen.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@ namespace {
 /// plane of the triangle has the slope of a round surface through its corners. [m]
 double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const Vector2d u = a - c, v = b - c;
-  return 0.5 * (b - a).norm() * u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
+  return 0.5 * (b - a).norm() * u.dot(v) / std::abs(cross(u, v));
 }
 
 using Eigen::Matrix2d;
@@ -63,7 +64,7 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)),
                    q = at(triangles(t, 2)) - at(triangles(t, 0));
-    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
+    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * cross(p, q);
   }
   for (std::size_t h = 0; h < turns.size(); ++h) {
     const auto& v = hinges.hinges[h].vertices;
@@ -131,7 +132,7 @@ SecondTurn second_turn(const Sheet& sheet, const Hinges& hinges, const Points3& 
     const Vector2d u = (sheet.pattern.row(corner[1]) - sheet.pattern.row(corner[0])).transpose();
     const Vector2d v = (sheet.pattern.row(corner[2]) - sheet.pattern.row(corner[0])).transpose();
     for (int i = 0; i < 3; ++i) {
-      second.area[corner[i]] += (u.x() * v.y() - u.y() * v.x()) / 6;
+      second.area[corner[i]] += cross(u, v) / 6;
       if (hinges.of_triangle[t][i] < 0)
         second.border[corner[(i + 1) % 3]] = second.border[corner[(i + 2) % 3]] = 1;
     }

@@ -1,5 +1,8 @@
 #include "core/geometry/injective_patches.h"
 
+#include "core/geometry/mesh_edges.h"
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,20 +22,15 @@ constexpr int max_levels = 4;       // of squares whose boxes are kept: up to 8 
 // [cells] by how much more than its triangles a rectangle reaches, for ways that are not straight
 constexpr double margin = 0.1;
 
-/// The edges with a triangle on one side only, each from its start to its end; nothing when an edge
-/// has two triangles on the same side.
-std::optional<std::map<int, int>> border_of(const Triangles& triangles) {
-  std::vector<std::pair<int, int>> edges;
-  edges.reserve(triangles.size());
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) edges.emplace_back(triangles(t, i), triangles(t, (i + 1) % 3));
-  std::sort(edges.begin(), edges.end());
-  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return {};
+/// Where the border goes on from each of its vertices; nothing when an edge has two triangles on
+/// the same side, or a vertex two borders.
+std::optional<std::map<int, int>> border_from(const Triangles& triangles) {
+  const MeshEdges edges(triangles);
+  for (const MeshEdge& e : edges)
+    if (e.size() > 2 || (e.size() == 2 && e[0].forwards == e[1].forwards)) return {};
   std::map<int, int> next;
-  for (const auto& [a, b] : edges)
-    if (!std::binary_search(edges.begin(), edges.end(), std::make_pair(b, a)) &&
-        !next.emplace(a, b).second)
-      return {};
+  for (const auto& [a, b] : border_of(edges))
+    if (!next.emplace(a, b).second) return {};
   return next;
 }
 
@@ -48,7 +46,7 @@ double reflex_turn(const Points2& pattern, const std::map<int, int>& next) {
     if (of_b == next.end()) return never;
     const int b = of_a->second, c = of_b->second;
     const Vector2d d = pattern.row(b) - pattern.row(a), e = pattern.row(c) - pattern.row(b);
-    const double turn = std::atan2(d.x() * e.y() - d.y() * e.x(), d.dot(e));
+    const double turn = std::atan2(cross(d, e), d.dot(e));
     turned += turn;
     reflex += std::max(0.0, -turn);
     a = b;
@@ -62,7 +60,7 @@ double reflex_turn(const Points2& pattern, const std::map<int, int>& next) {
 /// not finite; nothing when the triangle is turned over.
 std::optional<std::array<double, 4>> to_gradient(const Vector2d& u, const Vector2d& v) {
   constexpr double inexact = 1e-8;  // [1] sine of an angle
-  const double area = u.x() * v.y() - u.y() * v.x();
+  const double area = cross(u, v);
   if (!(area > 0)) return {};
   if (area < inexact * u.norm() * v.norm()) return {{NAN, NAN, NAN, NAN}};
   return {{v.y() / area, -v.x() / area, -u.y() / area, u.x() / area}};
@@ -103,7 +101,7 @@ bool proves_injective(const GradientBox& box) {
 InjectivePatches::InjectivePatches(const Points2& pattern, const Triangles& triangles)
     : triangles_(triangles) {
   if (triangles.rows() == 0 || !pattern.allFinite()) return;
-  const auto border = border_of(triangles);
+  const auto border = border_from(triangles);
   if (!border) return;
   double edges = 0;
   for (int t = 0; t < triangles.rows(); ++t) {

@@ -1,5 +1,8 @@
 #include "core/geometry/measure.h"
 
+#include "core/geometry/singular_vertices.h"
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -67,16 +70,13 @@ double angle_defect_max(const Sheet& sheet) {
       angle[a] += angle_between(sheet.x.row(b) - sheet.x.row(a), sheet.x.row(c) - sheet.x.row(a));
       const Vector2d u = sheet.pattern.row(b) - sheet.pattern.row(a),
                      v = sheet.pattern.row(c) - sheet.pattern.row(a);
-      flat[a] += std::atan2(std::abs(u.x() * v.y() - u.y() * v.x()), u.dot(v));
+      flat[a] += std::atan2(std::abs(cross(u, v)), u.dot(v));
     }
+  const std::vector<char> singular = singular_vertices(sheet);
   double worst = 0;
   for (long v = 0; v < n; ++v) {
     const bool inside = std::abs(flat[v] - 2 * M_PI) < 1e-6;
-    const bool singular =
-        std::any_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
-          return (s.pattern - sheet.pattern.row(v).transpose()).norm() < 1e-9;
-        });
-    if (inside && !singular) worst = std::max(worst, std::abs(2 * M_PI - angle[v]));
+    if (inside && !singular[v]) worst = std::max(worst, std::abs(2 * M_PI - angle[v]));
   }
   return worst;
 }

@@ -1,5 +1,7 @@
 #include "core/geometry/odt_smoothing.h"
 
+#include "core/model/segment2.h"
+
 #include <cmath>
 
 namespace paperbake {
@@ -12,17 +14,17 @@ void smooth_points(const Triangles& triangles, std::vector<Vector2d>& points, in
     const Vector2d a = points[triangles(t, 0)], b = points[triangles(t, 1)],
                    c = points[triangles(t, 2)];
     const Vector2d u = b - a, v = c - a;
-    const double cross = u.x() * v.y() - u.y() * v.x();
+    const double doubled = cross(u, v);
     const Vector2d centre = a + Vector2d(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(),
                                          u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) /
-                                    (2 * cross);
+                                    (2 * doubled);
     const Vector2d middle = (a + b + c) / 3;
-    const bool is_obtuse = (centre - middle).squaredNorm() > 0.25 * std::abs(cross);
+    const bool is_obtuse = (centre - middle).squaredNorm() > 0.25 * std::abs(doubled);
     for (int i = 0; i < 3; ++i) {
       const int p = triangles(t, i);
-      sum[p] += 0.5 * cross * centre;
-      centroid[p] += 0.5 * cross * middle;
-      weight[p] += 0.5 * cross;
+      sum[p] += 0.5 * doubled * centre;
+      centroid[p] += 0.5 * doubled * middle;
+      weight[p] += 0.5 * doubled;
       obtuse[p] |= is_obtuse;
     }
   }

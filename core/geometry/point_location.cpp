@@ -1,5 +1,7 @@
 #include "core/geometry/point_location.h"
 
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -55,10 +57,10 @@ bool PointLocator::inside(int t, const Vector2d& p, Vector3d& weights) const {
   const Vector2d a = pattern_.row(triangles_(t, 0)), b = pattern_.row(triangles_(t, 1)),
                  c = pattern_.row(triangles_(t, 2));
   const Vector2d u = b - a, v = c - a, q = p - a;
-  const double area = u.x() * v.y() - u.y() * v.x();
-  weights[1] = (q.x() * v.y() - q.y() * v.x()) / area;
+  const double area = cross(u, v);
+  weights[1] = cross(q, v) / area;
   if (weights[1] < outside) return false;
-  weights[2] = (u.x() * q.y() - u.y() * q.x()) / area;
+  weights[2] = cross(u, q) / area;
   weights[0] = 1 - weights[1] - weights[2];
   return weights[2] >= outside && weights[0] >= outside;
 }

@@ -1,6 +1,8 @@
 #include "core/geometry/surface_transfer.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/point_location.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,17 +24,14 @@ struct Beside {
 };
 
 std::vector<Beside> inner_edges(const Triangles& triangles) {
-  std::map<std::pair<int, int>, std::pair<int, int>> left;  // triangle and its corner at the start
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) left[{triangles(t, k), triangles(t, (k + 1) % 3)}] = {t, k};
   std::vector<Beside> found;
-  for (const auto& [edge, first] : left) {
-    if (edge.first > edge.second) continue;
-    const auto second = left.find({edge.second, edge.first});
-    if (second == left.end()) continue;
-    const auto [t, k] = first;
-    const auto [u, j] = second->second;
-    found.push_back({{t, u}, {k, (j + 1) % 3}, {(k + 1) % 3, j}});
+  for (const MeshEdge& e : MeshEdges(triangles)) {
+    if (e.size() != 2 || e[0].forwards == e[1].forwards) continue;
+    const TriangleSide &there = e[!e[0].forwards], &back = e[e[0].forwards];
+    const auto after = [](const TriangleSide& side, int k) { return (side.corner + k) % 3; };
+    found.push_back({{there.triangle, back.triangle},
+                     {after(there, 1), after(back, 2)},
+                     {after(there, 2), after(back, 1)}});
   }
   return found;
 }
@@ -60,9 +59,8 @@ Vector3d weights_in(const AuthoredSurface& authored, int triangle, const Vector2
     return Vector2d(authored.pattern.row(authored.triangles(triangle, k)));
   };
   const Vector2d a = corner(1) - corner(0), b = corner(2) - corner(0), d = p - corner(0);
-  const double area = a.x() * b.y() - a.y() * b.x();
-  const double u = (d.x() * b.y() - d.y() * b.x()) / area,
-               v = (a.x() * d.y() - a.y() * d.x()) / area;
+  const double area = cross(a, b);
+  const double u = cross(d, b) / area, v = cross(a, d) / area;
   return {1 - u - v, u, v};
 }
 
@@ -129,7 +127,7 @@ std::vector<std::pair<int, int>> joined(std::vector<std::pair<int, int>> segment
               b = second.first == v ? second.second : second.first;
     const Vector2d in = (pattern.row(v) - pattern.row(a)).normalized(),
                    out = (pattern.row(b) - pattern.row(v)).normalized();
-    if (in.dot(out) < 0 || std::abs(in.x() * out.y() - in.y() * out.x()) > straight) continue;
+    if (in.dot(out) < 0 || std::abs(cross(in, out)) > straight) continue;
     std::vector<std::size_t>& at_b = at[b];
     std::replace(at_b.begin(), at_b.end(), meeting[1], meeting[0]);
     first = {a, b};

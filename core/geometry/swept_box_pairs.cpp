@@ -1,5 +1,7 @@
 #include "core/geometry/swept_box_pairs.h"
 
+#include "core/geometry/mesh_edges.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -12,18 +14,12 @@ SweptBoxPairs::SweptBoxPairs(const Triangles& triangles)
       box_(triangles.rows()) {
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<char> taken(triangles.size() ? triangles.maxCoeff() + 1 : 0, 0);
-  std::vector<std::array<int, 4>> edges;  // lower vertex, higher vertex, triangle, corner opposite
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       if (!taken[triangles(t, i)]) owned_[t].corners |= 1 << i;
       taken[triangles(t, i)] = 1;
-      const auto [low, high] = std::minmax(triangles(t, (i + 1) % 3), triangles(t, (i + 2) % 3));
-      edges.push_back({low, high, t, i});
     }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t k = 0; k < edges.size(); ++k)
-    if (k == 0 || edges[k][0] != edges[k - 1][0] || edges[k][1] != edges[k - 1][1])
-      owned_[edges[k][2]].edges |= 1 << edges[k][3];
+  for (const MeshEdge& e : MeshEdges(triangles)) owned_[e[0].triangle].edges |= 1 << e[0].corner;
 }
 
 const std::vector<std::pair<int, int>>& SweptBoxPairs::find(const Points3& x, const Points3& move,

@@ -3,6 +3,7 @@
 #include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -177,7 +178,7 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
         sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0));
     const Vector2d v =
         sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0));
-    const double a = u.x() * v.y() - u.y() * v.x();
+    const double a = cross(u, v);
     for (int i = 0; i < 3; ++i) {
       out.row(sheet.triangles(t, i)) += a / 12 * surface.bulge.middleRows<3>(3 * t).colwise().sum();
       area[sheet.triangles(t, i)] += a;

@@ -3,217 +3,23 @@
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
+#include "core/render/crease_rows.h"
 #include "core/render/short_edges.h"
+#include "core/render/turnable_edges.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 
 namespace paperbake {
 namespace {
 
-constexpr double merge = 0.31;    // [edges] points of creases nearer than this are merged
-constexpr double spacing = 0.66;  // [edges] largest distance of neighbouring points of a crease
-// [edges] distance that the points of a crease keep from a border along which it runs
-constexpr double clear = 0.15;
-// [rad] smallest angle of a triangle that a flip may make: 8 degrees
-constexpr double min_turned = 0.14;
 // [1] total length of simulated edges, at most this x area / edge
 constexpr double max_length = 6;
 constexpr double border = 1e-3;  // [edges] how closely the mesh follows the border
 // [edges] shorter edges, where lines cross beside each other, are merged
 constexpr double shortest = 0.02;
-
-/// A set of points in which neighbours within a radius are found by a grid of cells of that size.
-class Sites {
- public:
-  explicit Sites(double radius) : radius_(radius) {}
-  int nearest(const Vector2d& p) const {
-    const auto [cx, cy] = cell(p);
-    int best = -1;
-    double least = radius_;
-    for (int x = cx - 1; x <= cx + 1; ++x)
-      for (int y = cy - 1; y <= cy + 1; ++y) {
-        const auto range = cells_.equal_range({x, y});
-        for (auto it = range.first; it != range.second; ++it)
-          if ((points[it->second] - p).norm() < least) {
-            least = (points[it->second] - p).norm();
-            best = it->second;
-          }
-      }
-    return best;
-  }
-  int add(const Vector2d& p) {
-    cells_.emplace(cell(p), static_cast<int>(points.size()));
-    points.push_back(p);
-    return static_cast<int>(points.size()) - 1;
-  }
-  int nearest_or_new(const Vector2d& p) {
-    const int known = nearest(p);
-    return known >= 0 ? known : add(p);
-  }
-  std::vector<Vector2d> points;
-
- private:
-  std::pair<int, int> cell(const Vector2d& p) const {
-    return {int(std::floor(p.x() / radius_)), int(std::floor(p.y() / radius_))};
-  }
-  double radius_;
-  std::multimap<std::pair<int, int>, int> cells_;
-};
-
-/// Where segment a crosses segment b: fraction of a in (0, 1); negative: nowhere.
-double crossing(const CreaseSegment& a, const CreaseSegment& b) {
-  const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
-  const double det = d.x() * e.y() - d.y() * e.x();
-  if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
-  const double s = (w.x() * e.y() - w.y() * e.x()) / det, t = (w.x() * d.y() - w.y() * d.x()) / det;
-  return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
-}
-
-/// The creases for which there is room [m], the heaviest first. One that lies beside a heavier one,
-/// or beside one of `lines`, is left out: folds that wander over the sheet leave many lines, and a
-/// mesh that followed them all would follow none.
-std::vector<CreaseSegment> chosen(std::vector<CreaseSegment> creases, double room, double edge,
-                                  const std::vector<CreaseSegment>& lines) {
-  std::stable_sort(
-      creases.begin(), creases.end(),
-      [](const CreaseSegment& a, const CreaseSegment& b) { return a.weight > b.weight; });
-  const double beside = 0.5 * edge;
-  std::vector<CreaseSegment> taken;
-  const auto lies_beside = [&](const CreaseSegment& c, const std::vector<CreaseSegment>& others) {
-    return std::any_of(others.begin(), others.end(), [&](const CreaseSegment& other) {
-      return distance_to_segment(c.a, other.a, other.b) < beside &&
-             distance_to_segment(c.b, other.a, other.b) < beside;
-    });
-  };
-  double length = 0;
-  for (const CreaseSegment& c : creases) {
-    if (lies_beside(c, taken) || lies_beside(c, lines)) continue;
-    length += (c.b - c.a).norm();
-    if (length > room) break;
-    taken.push_back(c);
-  }
-  return taken;
-}
-
-std::vector<CreaseSegment> segments_of(const std::vector<PrescribedCrease>& prescribed) {
-  std::vector<CreaseSegment> segments;
-  for (const PrescribedCrease& crease : prescribed)
-    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k)
-      segments.push_back({crease.line[k], crease.line[k + 1]});
-  return segments;
-}
-
-/// The point of the nearest of these lines, where one is nearer than `reach` [m]; else p itself.
-Vector2d onto_a_line(const Vector2d& p, const std::vector<CreaseSegment>& lines, double reach) {
-  Vector2d onto = p;
-  for (const CreaseSegment& line : lines) {
-    const Vector2d along = line.b - line.a;
-    const double at = std::clamp((p - line.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    const Vector2d q = line.a + at * along;
-    if ((q - p).norm() >= reach) continue;
-    reach = (q - p).norm();
-    onto = q;
-  }
-  return onto;
-}
-
-/// The points of one crease in order, without those for which there is no room beside the border.
-/// Those beside one of `lines`, which are rows of edges anyway, are moved onto it: a point that
-/// lies a thousandth of an edge beside a row of edges is the corner of a needle.
-std::vector<int> lay(const CreaseSegment& crease, const std::vector<CreaseSegment>& all,
-                     const std::vector<CreaseSegment>& lines, const Pattern& pattern, double edge,
-                     Sites& sites) {
-  std::vector<double> stops{0, 1};
-  for (const auto* others : {&all, &lines})
-    for (const CreaseSegment& other : *others) {
-      const double at = crossing(crease, other);
-      if (at > 0) stops.push_back(at);
-    }
-  std::sort(stops.begin(), stops.end());
-  const Vector2d d = crease.b - crease.a;
-  std::vector<int> row;
-  const auto put = [&](double t, bool end) {
-    Vector2d p = onto_a_line(crease.a + t * d, lines, merge * edge);
-    const Vector2d border = nearest_border_point(pattern, p);
-    if ((border - p).norm() < (end ? merge : clear) * edge || !contains(pattern, p)) {
-      if (!end && sites.nearest(p) < 0) return;
-      if (end) p = border;
-    }
-    row.push_back(sites.nearest_or_new(p));
-  };
-  put(0, true);
-  for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
-    const int parts =
-        static_cast<int>(std::ceil((stops[k + 1] - stops[k]) * d.norm() / (spacing * edge) - 1e-9));
-    for (int i = 1; i <= parts; ++i)
-      put(stops[k] + (stops[k + 1] - stops[k]) * i / parts, i == parts);
-  }
-  return row;
-}
-
-/// Edges of a triangulation, to be looked up and flipped.
-class Edges {
- public:
-  Edges(const Points2& pattern, Triangles& triangles) : pattern_(pattern), triangles_(triangles) {
-    for (int t = 0; t < triangles.rows(); ++t) enter(t);
-  }
-  bool has(int a, int b) const { return left_.count({a, b}) || left_.count({b, a}); }
-  /// Makes a-b an edge if it crosses exactly one edge and the flip makes no needle.
-  bool turn_to(int a, int b, const std::set<std::pair<int, int>>& keep) {
-    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
-      const int c = it->first.second, t = it->second, d = third(t, a, c);
-      const auto beyond = left_.find({d, c});
-      if (beyond == left_.end() || keep.count(std::minmax(c, d)) ||
-          third(beyond->second, d, c) != b)
-        continue;
-      if (std::min(min_angle(a, c, b), min_angle(a, b, d)) < min_turned) return false;
-      const int other = beyond->second;
-      for (const auto& edge : {std::pair<int, int>(a, c), {c, d}, {d, a}, {d, c}, {c, b}, {b, d}})
-        left_.erase(edge);
-      triangles_.row(t) << a, c, b;
-      triangles_.row(other) << a, b, d;
-      enter(t);
-      enter(other);
-      return true;
-    }
-    return false;
-  }
-  /// A vertex between a and b, which are not neighbours, nearer to their segment than `off`; -1:
-  /// none.
-  int between(int a, int b, double off) const {
-    const Vector2d along = (pattern_.row(b) - pattern_.row(a)).normalized();
-    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
-      const int v = it->first.second;
-      const Vector2d p = pattern_.row(v) - pattern_.row(a);
-      if (has(v, b) && std::abs(p.x() * along.y() - p.y() * along.x()) < off) return v;
-    }
-    return -1;
-  }
-
- private:
-  void enter(int t) {
-    for (int i = 0; i < 3; ++i) left_[{triangles_(t, i), triangles_(t, (i + 1) % 3)}] = t;
-  }
-  int third(int t, int a, int b) const { return triangles_.row(t).sum() - a - b; }
-  /// Smallest angle of a triangle; negative when it is turned over. [rad]
-  double min_angle(int a, int b, int c) const {
-    double least = M_PI;
-    const int v[3] = {a, b, c};
-    for (int i = 0; i < 3; ++i) {
-      const Vector2d u = pattern_.row(v[(i + 1) % 3]) - pattern_.row(v[i]),
-                     w = pattern_.row(v[(i + 2) % 3]) - pattern_.row(v[i]);
-      least = std::min(least, std::atan2(u.x() * w.y() - u.y() * w.x(), u.dot(w)));
-    }
-    return least;
-  }
-  const Points2& pattern_;
-  Triangles& triangles_;
-  std::map<std::pair<int, int>, int> left_;  // triangle on the left of each directed edge
-};
 
 /// Straight lines, to look for those that a point lies on.
 class Lines {
@@ -271,7 +77,7 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
                                            const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
-  Sites ends(merge * edge);
+  Sites ends(merged_within * edge);
   for (const Vector2d& p : features.points) ends.add(p);
   for (const CreaseSegment& line : features.edges) {
     lined.prescribed_creases.push_back({{line.a, line.b}});
@@ -279,7 +85,7 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
     ends.add(line.b);
   }
   const std::vector<CreaseSegment> creases =
-      chosen(features.creases, 0.5 * area(pattern) / edge, edge, features.edges);
+      chosen_creases(features.creases, 0.5 * area(pattern) / edge, edge, features.edges);
   std::vector<CreaseSegment> sharp = features.creases;
   for (const CreaseSegment& crease : creases) {
     const Vector2d a = ends.points[ends.nearest_or_new(crease.a)],
@@ -311,7 +117,7 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
 /// The mesh in which creases are rows of points at even distances.
 RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeatures& features) {
   const double exact = 1e-6 * longer_side(pattern);
-  Sites sites(merge * edge);
+  Sites sites(merged_within * edge);
   std::vector<int> site_of_point;
   for (const Vector2d& p : features.points) {
     // a handle keeps its place even if another point is near
@@ -326,8 +132,9 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
     for (const Vector2d& p : hole) sites.nearest_or_new(p);
   for (const Vector2d& p : crease_points(pattern.prescribed_creases)) sites.nearest_or_new(p);
   const std::vector<CreaseSegment> prescribed = segments_of(pattern.prescribed_creases),
-                                   creases = chosen(features.creases, 0.5 * area(pattern) / edge,
-                                                    edge, prescribed);
+                                   creases =
+                                       chosen_creases(features.creases, 0.5 * area(pattern) / edge,
+                                                      edge, prescribed);
   std::vector<std::vector<int>> rows;
   for (const CreaseSegment& crease : creases)
     rows.push_back(lay(crease, creases, prescribed, pattern, edge, sites));
@@ -346,7 +153,7 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
   for (const int site : site_of_point)
     result.point_vertex.push_back(mesh.point_vertex[number[site]]);
-  Edges edges(result.pattern, result.triangles);
+  TurnableEdges edges(result.pattern, result.triangles);
   std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
@@ -354,7 +161,7 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
       if (a == b) continue;
       if (edges.has(a, b) || edges.turn_to(a, b, found)) {
         found.insert(std::minmax(a, b));
-      } else if (const int v = edges.between(a, b, merge * edge); v >= 0) {
+      } else if (const int v = edges.between(a, b, merged_within * edge); v >= 0) {
         found.insert(std::minmax(a, v));
         found.insert(std::minmax(v, b));
       }

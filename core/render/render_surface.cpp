@@ -3,6 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 #include "core/render/curved_surface.h"
 #include "core/render/strain_limit.h"
 
@@ -59,12 +60,11 @@ std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
     Vector2d found(0, 0);
     for (int i = 0; i < 3; ++i) found += place.weights[i] * corner(i);
     const Vector2d u = corner(1) - corner(0), w = corner(2) - corner(0), off = p - found;
-    const double area = u.x() * w.y() - u.y() * w.x();
+    const double area = cross(u, w);
     // outside the border the triangle is extended, but not farther than its own size: a needle
     // would end anywhere
     if (off.squaredNorm() > 1e-18 && area > 0 && off.squaredNorm() < 0.1 * area) {
-      const double more1 = (off.x() * w.y() - off.y() * w.x()) / area,
-                   more2 = (u.x() * off.y() - u.y() * off.x()) / area;
+      const double more1 = cross(off, w) / area, more2 = cross(u, off) / area;
       place.weights += Vector3d(-more1 - more2, more1, more2);
     }
     places.push_back(place);

@@ -1,6 +1,7 @@
 #include "core/render/shape_fit.h"
 
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 #include "core/render/curved_surface.h"
 
 #include <cmath>
@@ -11,7 +12,7 @@ namespace {
 /// Cotangent of the angle at p between a and b.
 double cotangent(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d u = a - p, v = b - p;
-  return u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
+  return u.dot(v) / std::abs(cross(u, v));
 }
 
 // a row of three numbers and one that is idle: one register
@@ -51,7 +52,7 @@ ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
     Face face;
     for (int i = 0; i < 3; ++i) face.v[i] = triangles(t, i);
     const Vector2d u = at(face.v[1]) - at(face.v[0]), v = at(face.v[2]) - at(face.v[0]);
-    areas[t] = 0.5 * (u.x() * v.y() - u.y() * v.x());
+    areas[t] = 0.5 * cross(u, v);
     Vector2d slope[3];
     for (int i = 0; i < 3; ++i) {
       const Vector2d e = at(face.v[(i + 2) % 3]) - at(face.v[(i + 1) % 3]);

@@ -1,5 +1,6 @@
 #include "core/render/short_edges.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -140,14 +141,10 @@ std::vector<int> merge_short_edges(Points2& pattern, Triangles& triangles,
                                    const std::vector<char>& kept,
                                    const std::function<bool(int, int)>& on_line, double shortest) {
   std::vector<std::tuple<double, int, int>> edges;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const auto [a, b] = std::minmax(triangles(t, i), triangles(t, (i + 1) % 3));
-      const double length = (pattern.row(a) - pattern.row(b)).norm();
-      if (length < shortest) edges.emplace_back(length, a, b);
-    }
+  for (const MeshEdge& e : MeshEdges(triangles))
+    if (const double length = (pattern.row(e.low) - pattern.row(e.high)).norm(); length < shortest)
+      edges.emplace_back(length, e.low, e.high);
   std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<int> became(pattern.rows());
   for (int v = 0; v < pattern.rows(); ++v) became[v] = v;
   if (edges.empty()) return became;

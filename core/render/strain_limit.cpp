@@ -1,26 +1,20 @@
 #include "core/render/strain_limit.h"
 
+#include "core/geometry/mesh_edges.h"
+
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace paperbake {
 
 StrainLimit::StrainLimit(const Points2& pattern, const Triangles& triangles,
                          const StrainLimitOptions& options)
     : options_(options) {
-  std::vector<std::pair<int, int>> pairs;
-  pairs.reserve(3 * triangles.rows());
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      pairs.push_back(std::minmax(triangles(t, i), triangles(t, (i + 1) % 3)));
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   start_.assign(pattern.rows() + 1, 0);
-  for (const auto& [a, b] : pairs) {
-    edges_.push_back({a, b, (pattern.row(a) - pattern.row(b)).norm()});
-    ++start_[a + 1];
-    ++start_[b + 1];
+  for (const MeshEdge& e : MeshEdges(triangles)) {
+    edges_.push_back({e.low, e.high, (pattern.row(e.low) - pattern.row(e.high)).norm()});
+    ++start_[e.low + 1];
+    ++start_[e.high + 1];
   }
   for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
   of_vertex_.resize(2 * edges_.size());

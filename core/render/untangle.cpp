@@ -1,6 +1,7 @@
 #include "core/render/untangle.h"
 
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/proximity.h"
 #include "core/geometry/swept_box_pairs.h"
 
@@ -140,11 +141,11 @@ Untangler::Untangler(const std::vector<const RenderMesh*>& meshes)
 void Untangler::find_neighbours() {
   start_.assign(pattern_.rows() + 1, 0);
   std::vector<std::pair<int, int>> sides;
-  for (int t = 0; t < triangles_.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      for (const int k : {1, 2}) sides.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
+  for (const MeshEdge& e : MeshEdges(triangles_)) {
+    sides.emplace_back(e.low, e.high);
+    sides.emplace_back(e.high, e.low);
+  }
   std::sort(sides.begin(), sides.end());
-  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
   for (const auto& [a, b] : sides) {
     ++start_[a + 1];
     beside_.push_back(b);

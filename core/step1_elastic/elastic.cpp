@@ -138,14 +138,14 @@ void Elastic::set_plastic_grid(PlasticGrid* grid) {
   if (impl_->energy) impl_->load_plastic_state_on_new_mesh();
 }
 
-ElasticReport Elastic::evaluate_energies(const Sheet& sheet) const {
+ElasticReport Elastic::evaluate_energies(const Sheet& sheet) {
   ElasticReport report;
   impl_->load_creases(sheet, Impl::Curl::stays);
   impl_->report_energies(sheet.x, impl_->energy->dihedral_angles(sheet.x), report);
   return report;
 }
 
-LocalEnergies Elastic::local_energies(const Sheet& sheet) const {
+LocalEnergies Elastic::local_energies(const Sheet& sheet) {
   impl_->load_creases(sheet, Impl::Curl::stays);
   return impl_->energy->local_energies(sheet.x);
 }

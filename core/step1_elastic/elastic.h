@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/geometry/collider.h"
+#include "core/geometry/collider_motion.h"
 #include "core/model/air.h"
 #include "core/model/local_energies.h"
 #include "core/model/paper.h"
@@ -227,11 +227,11 @@ class Elastic {
   /// carried  maps |V|x3 positions of the other mesh to this one
   void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
 
-  /// Energies stored in the sheet as it is. `iterations` is 0.
-  ElasticReport evaluate_energies(const Sheet&) const;
+  /// Energies stored in the sheet as it is, whose creases are read. `iterations` is 0.
+  ElasticReport evaluate_energies(const Sheet&);
 
   /// The same by triangle, with the configurational forces on the vertices.
-  LocalEnergies local_energies(const Sheet&) const;
+  LocalEnergies local_energies(const Sheet&);
 
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.

@@ -4,15 +4,25 @@
 #include "core/geometry/developable_curvature.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/model/serializer.h"
+#include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/edge_flips.h"
 #include "core/step2_crumple/find_fold_lines.h"
 #include "core/step2_crumple/singular_points.h"
+#include "core/step2_crumple/vertex_insertion.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace paperbake {
 namespace {
+
+// [h] a pending conflict this near to a singular point gets no vertex of its own
+constexpr double beside_point = 0.5;
+// how often a ruled mesh is tried, and how much farther apart its rulings are each time [1]: the
+// first may have too many triangles, or needles
+constexpr int most_attempts = 3;
+constexpr double farther_apart = 1.35;
+constexpr double rounding_of_corners = 1e-9;  // [m]
 
 /// The curvature that rulings and edge flips follow. Around a singular point a sheet of few
 /// triangles is not developable, so that the general estimate is used there.
@@ -21,8 +31,9 @@ Points3 bending_of(const Sheet& sheet) {
 }
 
 bool is_corner(const Pattern& polygons, const Vector2d& p) {
-  return std::any_of(polygons.outline.begin(), polygons.outline.end(),
-                     [&](const Vector2d& corner) { return (corner - p).norm() < 1e-9; });
+  return std::any_of(polygons.outline.begin(), polygons.outline.end(), [&](const Vector2d& corner) {
+    return (corner - p).norm() < rounding_of_corners;
+  });
 }
 
 }  // namespace
@@ -63,8 +74,9 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
   for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
   // a mesh without a vertex at a pending conflict would not show whether the conflict persists
   for (const Vector2d& place : pending_.places())
-    if (std::none_of(singular.begin(), singular.end(),
-                     [&](const Vector2d& p) { return (p - place).norm() < 0.5 * base_.h; }))
+    if (std::none_of(singular.begin(), singular.end(), [&](const Vector2d& p) {
+          return (p - place).norm() < beside_point * base_.h;
+        }))
       singular.push_back(place);
   PulledPlaces pulled;
   for (const int v : isolated_moving_handles) {
@@ -75,7 +87,8 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
       pulled.keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
   }
   std::optional<RuledMesh> mesh;
-  for (int attempt = 0; attempt < 3; ++attempt, options.turn_per_ruling *= 1.35) {
+  for (int attempt = 0; attempt < most_attempts;
+       ++attempt, options.turn_per_ruling *= farther_apart) {
     proposed_ = place_rulings(base_.polygons, field, regions_, pulled, base_.h, options);
     if (proposed_.empty()) return std::nullopt;
     mesh = ruled_mesh(base_, required, singular, proposed_, pulled.keep_out_discs, options);

@@ -3,7 +3,9 @@
 #include "core/geometry/curvature.h"
 #include "core/geometry/edge_operations.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/geometry/singular_vertices.h"
 #include "core/model/serializer.h"
+#include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/singular_points.h"
 #include "core/step2_crumple/vertex_moves.h"
 

@@ -2,15 +2,31 @@
 
 #include "core/geometry/constrained_delaunay.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_edges.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 namespace paperbake {
 namespace {
+
+// Lengths are in mean edge lengths h of the base mesh, where nothing else is said.
+
+constexpr double same = 1e-7;          // [h] points this near are one
+constexpr double on_side = 10;         // [1] times that: a required point lies on a side
+constexpr double straight_on = 1e-6;   // [1] sine of the turning angle of a polygon
+constexpr double at_corner = 0.5;      // [1] of the merge distance: of a ruling that cuts a corner
+constexpr double onto_border = 0.7;    // [1] of the merge distance: ends move onto the border
+constexpr double onto_ruling = 0.9;    // [1] of the merge distance: rulings pass through points
+constexpr double onto_point = 0.25;    // [h] a point on a ruling that is this near to another
+constexpr double barely_longer = 0.1;  // [1] of a part: a ruling is not divided for that
+// [h] how far points of the base mesh keep from those of the rulings and the border, and within
+// the discs that no ruling enters, where the mesh stays finer
+constexpr double clear = 0.6, clear_in_disc = 0.4;
+constexpr double beside_ruling = 0.75;  // [1] of this distance: from the line of a ruling
+constexpr double needle = 0.03;         // [h] a triangle of less altitude is one; no mesh has any
 
 double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - a).dot(b - a) / (b - a).squaredNorm();
@@ -18,13 +34,12 @@ double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
 
 /// The vertices of a polygon in which it turns noticeably.
 std::vector<Vector2d> corners_of(const std::vector<Vector2d>& polygon) {
-  constexpr double straight = 1e-6;  // [1] sine of the turning angle
   std::vector<Vector2d> corners;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector2d in = (polygon[i] - polygon[(i + n - 1) % n]).normalized(),
                    out = (polygon[(i + 1) % n] - polygon[i]).normalized();
-    if (std::abs(cross(in, out)) > straight || in.dot(out) < 0) corners.push_back(polygon[i]);
+    if (std::abs(cross(in, out)) > straight_on || in.dot(out) < 0) corners.push_back(polygon[i]);
   }
   return corners;
 }
@@ -63,11 +78,11 @@ class Builder {
       const bool guarded =
           std::any_of(keep_out_discs.begin(), keep_out_discs.end(),
                       [&](const Disc& d) { return (p - d.centre).norm() < d.radius; });
-      const double clear = (guarded ? 0.4 : 0.6) * base_.h;
+      const double apart = (guarded ? clear_in_disc : clear) * base_.h;
       bool free = true;
-      for (std::size_t i = 0; i < before && free; ++i) free = (points_[i] - p).norm() >= clear;
+      for (std::size_t i = 0; i < before && free; ++i) free = (points_[i] - p).norm() >= apart;
       for (const auto& [a, b] : legs_)
-        free = free && distance_to_segment(p, points_[a], points_[b]) >= 0.75 * clear;
+        free = free && distance_to_segment(p, points_[a], points_[b]) >= beside_ruling * apart;
       if (free) points_.push_back(p);
     }
   }
@@ -92,9 +107,9 @@ class Builder {
     std::vector<std::pair<double, int>> stops;  // position along it in [0, 1], point
   };
 
-  double exact() const { return 1e-7 * base_.h; }
+  double exact() const { return same * base_.h; }
   double near(const Ruling& r) const {
-    return r.cuts_corner ? 0.5 * std::min(tolerance_, options_.merge_distance * r.length())
+    return r.cuts_corner ? at_corner * std::min(tolerance_, options_.merge_distance * r.length())
                          : tolerance_;
   }
 
@@ -113,7 +128,7 @@ class Builder {
         const double t = along(points_[i], side.a, side.b);
         const bool inside =
             t * (side.b - side.a).norm() > exact() && (1 - t) * (side.b - side.a).norm() > exact();
-        if (inside && distance_to_segment(points_[i], side.a, side.b) <= 10 * exact())
+        if (inside && distance_to_segment(points_[i], side.a, side.b) <= on_side * exact())
           side.stops.emplace_back(t, static_cast<int>(i));
       }
       std::sort(side.stops.begin(), side.stops.end());
@@ -140,7 +155,7 @@ class Builder {
     const int point = point_at(p, near);
     if (points_.size() == before) return point;
     for (Side& side : sides_) {
-      if (distance_to_segment(p, side.a, side.b) > 0.7 * near) continue;
+      if (distance_to_segment(p, side.a, side.b) > onto_border * near) continue;
       const double t = along(p, side.a, side.b);
       points_[point] = side.a + t * (side.b - side.a);
       side.stops.emplace_back(t, point);
@@ -159,7 +174,7 @@ class Builder {
       const double t = along(points_[i], points_[a], points_[b]);
       if (int(i) == a || int(i) == b || t * length < exact() || (1 - t) * length < exact())
         continue;
-      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * near)
+      if (distance_to_segment(points_[i], points_[a], points_[b]) < onto_ruling * near)
         stops.emplace_back(t, static_cast<int>(i));
     }
     std::sort(stops.begin(), stops.end());
@@ -195,13 +210,13 @@ class Builder {
 
   void subdivide(int a, int b) {
     const double length = (points_[b] - points_[a]).norm();
-    const int parts =
-        std::max(1, static_cast<int>(std::ceil(length / (options_.along_most * base_.h) - 0.1)));
+    const int parts = std::max(
+        1, static_cast<int>(std::ceil(length / (options_.along_most * base_.h) - barely_longer)));
     int last = a;
     for (int k = 1; k < parts; ++k) {
       const Vector2d p = points_[a] + (points_[b] - points_[a]) * k / parts;
       const std::size_t before = points_.size();
-      const int point = point_at(p, 0.25 * base_.h);
+      const int point = point_at(p, onto_point * base_.h);
       if (points_.size() == before) continue;  // a point is near already: the apex of a fan
       pieces_.emplace_back(last, point);
       last = point;
@@ -251,12 +266,7 @@ double min_altitude(const RuledMesh& mesh) {
 }  // namespace
 
 BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
-  std::set<std::pair<int, int>> border;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const std::pair<int, int> edge{triangles(t, i), triangles(t, (i + 1) % 3)};
-      if (!border.erase({edge.second, edge.first})) border.insert(edge);
-    }
+  const std::vector<std::pair<int, int>> border = border_of(MeshEdges(triangles));
   std::map<int, int> next(border.begin(), border.end());
   std::vector<char> outside(pattern.rows(), 0);
   BaseMesh base;
@@ -288,7 +298,6 @@ std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vect
                                     const std::vector<Ruling>& rulings,
                                     const std::vector<Disc>& keep_out_discs,
                                     const RulingOptions& options) {
-  constexpr double needle = 0.03;  // [h] altitude below which a triangle counts as a needle
   Builder builder(base, required, options);
   builder.add_singular(singular);
   builder.add_rulings(rulings);

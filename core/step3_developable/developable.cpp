@@ -1,5 +1,7 @@
 #include "core/step3_developable/developable.h"
 
+#include "core/model/segment2.h"
+
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
@@ -29,7 +31,7 @@ Weighted weigh(const Sheet& sheet) {
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const auto at = [&](int k) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, k)); };
     const Vector2d u = at(1) - at(0), v = at(2) - at(0);
-    const double third = std::abs(u.x() * v.y() - u.y() * v.x()) / 6;
+    const double third = std::abs(cross(u, v)) / 6;
     for (int k = 0; k < 3; ++k) {
       const int a = sheet.triangles(t, k), b = sheet.triangles(t, (k + 1) % 3);
       shares[{std::min(a, b), std::max(a, b)}] += third;

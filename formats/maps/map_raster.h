@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 
 #include <algorithm>
@@ -67,8 +68,7 @@ template <int count>
 FieldSlopes<count> slopes(const FieldCorner<count> (&corner)[3]) {
   constexpr double none = 1e-9;  // [texel2] a triangle of no area has the fields of one corner
   const Vector2d u = corner[1].at - corner[0].at, v = corner[2].at - corner[0].at;
-  const double doubled = u.x() * v.y() - u.y() * v.x(),
-               scale = std::abs(doubled) > none ? 1 / doubled : 0;
+  const double doubled = cross(u, v), scale = std::abs(doubled) > none ? 1 / doubled : 0;
   const Eigen::Array<double, count, 1> along_u = scale * (corner[1].fields - corner[0].fields),
                                        along_v = scale * (corner[2].fields - corner[0].fields);
   return {v.y() * along_u - u.y() * along_v, u.x() * along_v - v.x() * along_u};

@@ -1,5 +1,6 @@
 #include "formats/scene/flat_sheet.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
 #include "formats/scene/scene_unroll.h"
@@ -63,16 +64,11 @@ AuthoredSurface authored_on(const ImportedFile& file, int node, const WeldedMesh
 /// The loops of the border, with the paper on their left: outlines counter-clockwise, holes
 /// clockwise.
 std::vector<Loop> border_loops(const Triangles& triangles, const std::string& place) {
-  std::map<std::pair<int, int>, int> directed;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) directed[{triangles(t, k), triangles(t, (k + 1) % 3)}] = t;
   std::map<int, int> next;
-  for (const auto& [edge, t] : directed) {
-    if (directed.count({edge.second, edge.first})) continue;
-    if (!next.emplace(edge.first, edge.second).second)
+  for (const auto& [from, to] : border_of(MeshEdges(triangles)))
+    if (!next.emplace(from, to).second)
       throw Error(ErrorCode::scene, place, "The border of the mesh touches itself at a vertex.",
                   "Split that vertex, or join the faces there by an edge.");
-  }
   std::vector<Loop> loops;
   while (!next.empty()) {
     loops.emplace_back();
@@ -88,7 +84,7 @@ std::vector<Loop> border_loops(const Triangles& triangles, const std::string& pl
 
 double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d ab = b - a;
-  return std::abs(ab.x() * (p - a).y() - ab.y() * (p - a).x()) / ab.norm();
+  return std::abs(cross(ab, p - a)) / ab.norm();
 }
 
 /// The corners of a loop, beginning with the lowest of its leftmost vertices, which must be one.
@@ -177,7 +173,7 @@ void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all
       const auto uv = [&](int k) {
         return Vector2d(edge(all.uv, all.triangles, k).cwiseProduct(Vector2d(mirrored, 1)));
       };
-      area += uv(0).x() * uv(1).y() - uv(0).y() * uv(1).x();
+      area += cross(uv(0), uv(1));
       for (int k = 0; k < 3; ++k) {
         const Vector2d a = uv(k), b = edge(flat, triangles, k);
         same += a.dot(b);

@@ -4,6 +4,7 @@
 #include "core/geometry/point_location.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 #include "formats/scene/scene_colliders.h"
 #include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
@@ -112,8 +113,7 @@ std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std
 std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double side) {
   const auto off_line = [](const Vector2d& p, const Vector2d& a, const Vector2d& b) {
     const Vector2d d = b - a;
-    return d.norm() > 0 ? std::abs(d.x() * (p - a).y() - d.y() * (p - a).x()) / d.norm()
-                        : (p - a).norm();
+    return d.norm() > 0 ? std::abs(cross(d, p - a)) / d.norm() : (p - a).norm();
   };
   std::vector<Vector2d> line{points.front()};
   std::size_t last = 0;

@@ -1,6 +1,7 @@
 #include "formats/scene/scene_unroll.h"
 
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ constexpr double pi = 3.14159265358979323846;
 
 double twice_area(const Points2& p, int a, int b, int c) {
   const Vector2d ab = (p.row(b) - p.row(a)).transpose(), ac = (p.row(c) - p.row(a)).transpose();
-  return ab.x() * ac.y() - ab.y() * ac.x();
+  return cross(ab, ac);
 }
 
 template <class Visit>

@@ -1,13 +1,12 @@
 #include "formats/scene/welded_mesh.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -21,21 +20,14 @@ double size_of(const Points3& x) {
 }
 
 struct EdgeTopology {
-  std::map<std::pair<int, int>, std::vector<int>> triangles;  // by ends of the edge, smaller first
-  int overfull = 0;                                           // edges of three or more triangles
-  int inconsistent = 0;  // edges whose two triangles have opposite orientations
-  int pieces = 0;        // connected components
+  bool has_border = false;  // there are edges of one triangle
+  int overfull = 0;         // edges of three or more triangles
+  int inconsistent = 0;     // edges whose two triangles have opposite orientations
+  int pieces = 0;           // connected components
 };
 
 EdgeTopology edge_topology(const Triangles& triangles) {
   EdgeTopology edges;
-  std::map<std::pair<int, int>, int> directed;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int a = triangles(t, k), b = triangles(t, (k + 1) % 3);
-      edges.triangles[std::minmax(a, b)].push_back(t);
-      edges.inconsistent += ++directed[{a, b}] == 2;
-    }
   std::vector<int> piece(triangles.rows());
   std::iota(piece.begin(), piece.end(), 0);
   const auto root = [&](int t) {
@@ -43,11 +35,16 @@ EdgeTopology edge_topology(const Triangles& triangles) {
     return t;
   };
   edges.pieces = static_cast<int>(triangles.rows());
-  for (const auto& [ends, sides] : edges.triangles) {
-    edges.overfull += sides.size() > 2;
-    for (int t : sides)
-      if (root(t) != root(sides.front())) {
-        piece[root(t)] = root(sides.front());
+  for (const MeshEdge& edge : MeshEdges(triangles)) {
+    const auto forwards = std::count_if(edge.begin(), edge.end(),
+                                        [](const TriangleSide& side) { return side.forwards; });
+    const auto sides = static_cast<long>(edge.size());
+    edges.has_border |= sides == 1;
+    edges.overfull += sides > 2;
+    edges.inconsistent += (forwards >= 2) + (sides - forwards >= 2);
+    for (const TriangleSide& side : edge)
+      if (root(side.triangle) != root(edge[0].triangle)) {
+        piece[root(side.triangle)] = root(edge[0].triangle);
         --edges.pieces;
       }
   }
@@ -162,8 +159,7 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
     reject(fmt::format("The faces at {} of the mesh's edges disagree about the front.",
                        edges.inconsistent),
            "Recalculate the normals in the DCC; a sheet has two sides.");
-  if (std::none_of(edges.triangles.begin(), edges.triangles.end(),
-                   [](const auto& edge) { return edge.second.size() == 1; }))
+  if (!edges.has_border)
     reject("The mesh is closed: a sheet of paper has a border.",
            "Remove its thickness (Solidify, Shell), or cut it open along edges.");
 }

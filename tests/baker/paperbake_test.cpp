@@ -2,6 +2,7 @@
 
 #include <paperbake/paperbake.h>
 
+#include "core/model/segment2.h"
 #include "formats/cache/alembic_reader.h"
 #include "tests/own_folder.h"
 
@@ -87,7 +88,7 @@ TEST_F(Library, AFlatSheetLiesWhereItsPatternIs) {
       return Vector2d(sheet.start.pattern.row(sheet.start.triangles(t, k)));
     };
     const Vector2d a = corner(1) - corner(0), b = corner(2) - corner(0);
-    covered += (a.x() * b.y() - a.y() * b.x()) / 2;
+    covered += cross(a, b) / 2;
   }
   EXPECT_DOUBLE_EQ(covered, 0.06);
 }

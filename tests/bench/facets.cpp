@@ -1,5 +1,7 @@
 #include "tests/bench/facets.h"
 
+#include "core/model/segment2.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -16,7 +18,7 @@ double pattern_area(const Sheet& sheet, int t) {
   const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
                  b = sheet.pattern.row(sheet.triangles(t, 1)),
                  c = sheet.pattern.row(sheet.triangles(t, 2));
-  return 0.5 * ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+  return 0.5 * cross(b - a, c - a);
 }
 
 Vector2d edge_of(const Sheet& sheet, const Hinge& hinge) {

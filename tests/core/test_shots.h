@@ -10,6 +10,11 @@ inline Pattern rectangle(double width, double height) {
   return {{{0, 0}, {width, 0}, {width, height}, {0, height}}, {}};
 }
 
+/// An L: the 0.2 m square without its upper right quarter; the re-entrant corner is (0.1, 0.1).
+inline Pattern ell() {
+  return {{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}}, {}};
+}
+
 inline Shot blank_shot(const Pattern& pattern) {
   Shot shot;
   shot.sheet_name = "paper";

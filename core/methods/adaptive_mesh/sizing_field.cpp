@@ -2,6 +2,7 @@
 
 #include "core/geometry/developable_curvature.h"
 #include "core/linear_algebra/symmetric_eigen.h"
+#include "core/model/segment2.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -39,7 +40,7 @@ Matrix2d finer(const Matrix2d& A, const Matrix2d& B) {
 
 double twice_area(const Sheet& sheet, int t) {
   const auto p = [&](int i) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, i)); };
-  return (p(1) - p(0)).x() * (p(2) - p(0)).y() - (p(1) - p(0)).y() * (p(2) - p(0)).x();
+  return cross(p(1) - p(0), p(2) - p(0));
 }
 
 /// The metric with its sizes limited to their bounds.

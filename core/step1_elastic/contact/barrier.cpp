@@ -1,7 +1,5 @@
 #include "core/step1_elastic/contact/barrier.h"
 
-#include "core/geometry/proximity.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,10 +15,10 @@ Barrier barrier(double d, double dhat) {
           -kappa * (2 * logarithm + 4 * in / d - in * in / (d * d))};
 }
 
-double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
+double relative_move(const std::array<Vector3d, 4>& moves, Features features) {
   double most = 0;
-  for (int i = 0; i < (edges ? 2 : 1); ++i)
-    for (int j = edges ? 2 : 1; j < 4; ++j)
+  for (int i = 0; i < second_of(features); ++i)
+    for (int j = second_of(features); j < 4; ++j)
       most = std::max(most, (moves[i] - moves[j]).squaredNorm());
   return std::sqrt(most);
 }
@@ -39,18 +37,14 @@ static double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vec
 }
 
 double collision_free_step(const std::array<Vector3d, 4>& corners,
-                           const std::array<Vector3d, 4>& moves, bool edges) {
+                           const std::array<Vector3d, 4>& moves, Features features) {
   constexpr double gap_kept = 0.2, of_the_way = 0.9;
   // gap [m] that counts as tight, and the fraction [1] of it that is kept: it must not be used up
   // fifth by fifth
   constexpr double tight = 1e-7, tight_kept = 0.95;
   constexpr int max_steps = 60;
-  const double speed = relative_move(moves, edges);
-  const int second_feature = edges ? 2 : 1;
-  const auto near_at = [&](const std::array<Vector3d, 4>& x) {
-    return edges ? edge_to_edge(x) : vertex_to_triangle(x);
-  };
-  ClosestPoints near = near_at(corners);
+  const double speed = relative_move(moves, features);
+  ClosestPoints near = closest_points(corners, features);
   double d = near.distance();
   const double kept = std::max(gap_kept * d, tight_kept * std::min(d, tight));
   if (speed == 0 || d - speed > kept) return 1;
@@ -60,10 +54,10 @@ double collision_free_step(const std::array<Vector3d, 4>& corners,
     const double step = of_the_way * (d - kept) / speed;
     if (!(step > 0)) return t;
     if (k > 0 && d - kept < 0.01 * gap_kept * d) return t;
-    t += std::max(step, within_slab(x, moves, near.apart / d, second_feature, kept));
+    t += std::max(step, within_slab(x, moves, near.apart / d, second_of(features), kept));
     if (t >= 1) return 1;
     for (int i = 0; i < 4; ++i) x[i] = corners[i] + t * moves[i];
-    near = near_at(x);
+    near = closest_points(x, features);
     d = near.distance();
   }
   return t;

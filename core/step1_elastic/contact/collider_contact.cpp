@@ -1,38 +1,19 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 
+#include "core/geometry/mesh_edges.h"
 #include "core/geometry/proximity.h"
-#include "core/step1_elastic/contact/barrier.h"
 #include "core/step1_elastic/contact/friction.h"
-#include "core/step1_elastic/energies/membrane.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace paperbake {
 namespace {
 
-constexpr double tube = 1e-3;    // [m] how far vertices may move before the lists are rebuilt
 constexpr double in_cone = 0.1;  // [1] sine by which the way out may lean along a face
 
-Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
-
 }  // namespace
-
-ColliderBarrier collider_barrier(double d) {
-  constexpr double kappa = 200, reach = collider_dhat, first = 0.005 * reach;
-  if (d >= reach) return {0, 0, 0};
-  const auto at = [&](double s) -> ColliderBarrier {
-    const double in = s - reach, logarithm = std::log(s / reach);
-    return {-kappa * in * in * logarithm, -kappa * (2 * in * logarithm + in * in / s),
-            -kappa * (2 * logarithm + 4 * in / s - in * in / (s * s))};
-  };
-  if (d >= first) return at(d);
-  static const ColliderBarrier b = at(first);
-  const double in = d - first;
-  return {b.value + b.slope * in + 0.5 * b.second * in * in, b.slope + b.second * in, b.second};
-}
 
 ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
                                  const Triangles& triangles, int vertices)
@@ -41,12 +22,8 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
       held_(vertices, 0),
       reduction_(vertices, 0.0) {
   std::vector<SheetFeature> features;
-  std::set<std::pair<int, int>> edges;
   for (int v = 0; v < vertices; ++v) features.push_back({{v, -1, -1}, 1, {}});
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      edges.insert(std::minmax(triangles(t, i), triangles(t, (i + 1) % 3)));
-  for (const auto& [a, b] : edges) features.push_back({{a, b, -1}, 2, {}});
+  for (const MeshEdge& e : MeshEdges(triangles)) features.push_back({{e.low, e.high, -1}, 2, {}});
   for (int t = 0; t < triangles.rows(); ++t)
     features.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, 3, {}});
   for (ColliderState& a : states_) {
@@ -54,53 +31,6 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
     a.reference = Points3::Constant(vertices, 3, std::numeric_limits<double>::quiet_NaN());
     a.side.assign(vertices, 1);
   }
-}
-
-Points3 ColliderContact::carried_by(std::size_t c, const Points3& x) const {
-  if (motion_.from[c] == motion_.to[c]) return x;
-  Points3 carried(x.rows(), 3);
-  for (int v = 0; v < x.rows(); ++v) carried.row(v) = carried_by(c, x, v);
-  return carried;
-}
-
-/// Flags the vertices of edges and triangles of the sheet that an edge or a corner of the collider
-/// may meet in this step: they are carried along with it, however far away they are themselves.
-void ColliderContact::find_swept_vertices(std::size_t c) {
-  ColliderState& a = states_[c];
-  a.swept.assign(held_.size(), 0);
-  const Collider &from = *motion_.from[c], &to = *motion_.to[c];
-  if (&from == &to) return;
-  const double reach = a.moved + collider_dhat;
-  const Points3& y = from.mesh().x;
-  for (const SheetFeature& feature : a.features) {
-    if (feature.corners == 1) continue;
-    std::array<Vector3d, 3> p;
-    for (int i = 0; i < feature.corners; ++i) p[i] = row(start_, feature.vertices[i]);
-    Vector3d low = p[0], high = p[0];
-    for (int i = 1; i < feature.corners; ++i) {
-      low = low.cwiseMin(p[i]);
-      high = high.cwiseMax(p[i]);
-    }
-    bool meets = false;
-    if (feature.corners == 2)
-      from.near_edges(low, high, reach, [&](int k) {
-        const Collider::Edge& edge = from.edges()[k];
-        meets |= edge_to_edge({p[0], p[1], row(y, edge.a), row(y, edge.b)}).distance() < reach;
-      });
-    else
-      from.near_corners(low, high, reach, [&](int k) {
-        const Vector3d corner = row(y, from.corners()[k].vertex);
-        meets |= vertex_to_triangle({corner, p[0], p[1], p[2]}).distance() < reach;
-      });
-    for (int i = 0; meets && i < feature.corners; ++i) a.swept[feature.vertices[i]] = 1;
-  }
-}
-
-Vector3d ColliderContact::carried_by(std::size_t c, const Points3& x, int v) const {
-  constexpr double anywhere = 1;  // [m]
-  const ColliderState& a = states_[c];
-  return carried(*motion_.from[c], *motion_.to[c], row(x, v),
-                 a.moved + (a.swept[v] ? anywhere : collider_dhat), a.side[v]);
 }
 
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
@@ -319,158 +249,6 @@ void ColliderContact::begin_friction(std::size_t c, const Points3& carried,
     friction_contacts_.push_back(
         {touch.vertices, touch.weights, touch.corners, along, slip, force, name, shear});
   });
-}
-
-/// Moves from p towards `to` as far as the collider allows, then along its surface.
-Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d to, int side) const {
-  constexpr int max_turns = 4, max_steps = 100;
-  constexpr double near_enough = 2e-6;  // [m]
-  const double within = (to - p).norm() + collider_dhat;
-  SurfacePoint s = collider.nearest(p, std::max(within, 2 * collider.depth()), side);
-  if (s.distance < 0) {
-    p -= s.distance * s.normal;
-    s.distance = 0;
-  }
-  const double kept = std::min(s.distance, 0.2 * collider_dhat);
-  for (int turn = 0; turn < max_turns; ++turn) {
-    const Vector3d move = to - p;
-    const double length = move.norm();
-    double gone = 0;
-    bool hit = false;
-    for (int k = 0; k < max_steps && gone < length; ++k) {
-      s = collider.nearest(p + gone / length * move, length - gone + kept + near_enough, side);
-      const double free = s.distance - kept;
-      hit = free < near_enough && move.dot(s.normal) < -1e-9 * length;
-      if (hit) break;
-      gone += std::max(free, near_enough);
-    }
-    if (!hit && gone >= length) return to;
-    p += std::min(1.0, length > 0 ? gone / length : 1) * move;
-    const Vector3d rest = to - p;
-    to = p + rest - std::min(0.0, rest.dot(s.normal)) * s.normal;
-  }
-  return p;
-}
-
-/// Where the vertex gets to on its way to a target.
-Vector3d ColliderContact::reachable(int v, Vector3d to) const {
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Vector3d p = carried_by(c, start_, v);
-    to = slide(collider(c), p, to, states_[c].side[v]);
-  }
-  return to;
-}
-
-void ColliderContact::project_outside(PositionConstraints& constraints) const {
-  for (PositionConstraint& c : constraints) c.target = reachable(c.vertex, c.target);
-}
-
-/// |V|x3 [m] where the colliders take the sheet: each vertex goes with the one that moves it
-/// farthest.
-Points3 ColliderContact::taken_along() const {
-  Points3 taken = start_;
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Points3 by_this = carried_by(c, start_);
-    for (int v = 0; v < taken.rows(); ++v)
-      if ((by_this.row(v) - start_.row(v)).squaredNorm() >
-          (taken.row(v) - start_.row(v)).squaredNorm())
-        taken.row(v) = by_this.row(v);
-  }
-  return taken;
-}
-
-void ColliderContact::project_outside(Points3& to) {
-  Points3 from = taken_along(), move = to - from;
-  for (int v = 0; v < to.rows(); ++v) {
-    if (held_[v]) {
-      from.row(v) = to.row(v);
-      move.row(v).setZero();
-    } else {
-      move.row(v) = reachable(v, row(to, v)).transpose() - from.row(v);
-    }
-  }
-  to = from + collision_free_step(from, move) * move;
-}
-
-/// What is left of a share of the motion when no vertex may go deeper into the collider than it
-/// may.
-double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y,
-                                               const Points3& motion, double share) const {
-  constexpr double near_enough = 2e-5;  // [m]
-  const Collider& collider = this->collider(c);
-  for (int v = 0; v < y.rows(); ++v) {
-    const double length = motion.row(v).norm();
-    if (length == 0 || held_[v]) continue;
-    double floor = 0, gone = 0;
-    while (gone < share * length) {
-      const SurfacePoint s =
-          collider.nearest(row(y, v) + gone / length * row(motion, v),
-                           share * length - gone + collider.depth(), states_[c].side[v]);
-      if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
-      const double free = s.distance - floor;
-      if (free < near_enough) break;
-      gone += free;
-    }
-    share = std::min(share, gone / length);
-  }
-  return share;
-}
-
-/// What is left of a share of the motion when an edge or a triangle of the sheet may not pass
-/// through an edge or a corner of the collider.
-double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature& feature,
-                                              const Points3& y, const Points3& motion,
-                                              double share) const {
-  const Collider& collider = this->collider(c);
-  double fastest = 0;
-  Vector3d low = row(y, feature.vertices[0]), high = low;
-  for (int i = 0; i < feature.corners; ++i) {
-    const Vector3d p = row(y, feature.vertices[i]),
-                   q = p + share * row(motion, feature.vertices[i]);
-    low = low.cwiseMin(p).cwiseMin(q);
-    high = high.cwiseMax(p).cwiseMax(q);
-    fastest = std::max(fastest, share * motion.row(feature.vertices[i]).norm());
-  }
-  if (feature.near.empty() && fastest < tube) return share;
-  const auto meet = [&](int k) {
-    std::array<Vector3d, 4> x, m;
-    const bool edges = feature.corners == 2;
-    for (int i = 0; i < feature.corners; ++i) {
-      const int at = edges ? i : i + 1;
-      x[at] = row(y, feature.vertices[i]);
-      m[at] = share * row(motion, feature.vertices[i]);
-    }
-    const Points3& fixed = collider.mesh().x;
-    if (edges) {
-      x[2] = row(fixed, collider.edges()[k].a);
-      x[3] = row(fixed, collider.edges()[k].b);
-      m[2] = m[3] = Vector3d::Zero();
-    } else {
-      x[0] = row(fixed, collider.corners()[k].vertex);
-      m[0] = Vector3d::Zero();
-    }
-    // what is inside already has to be able to come out
-    if (feature_pair(collider, feature, k, y, states_[c].side).where != FeaturePair::outside)
-      return;
-    const double free = paperbake::collision_free_step(x, m, edges);
-    if (free < 1 && free > 0) share *= free;
-  };
-  if (feature.corners == 2)
-    collider.near_edges(low, high, 0, meet);
-  else
-    collider.near_corners(low, high, 0, meet);
-  return share;
-}
-
-double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {
-  double share = 1;
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    refresh(c, y);
-    share = free_share_of_vertices(c, y, move, share);
-    for (const SheetFeature& feature : states_[c].features)
-      if (feature.corners > 1) share = free_share_of_feature(c, feature, y, move, share);
-  }
-  return share;
 }
 
 template <class Visit>

@@ -28,7 +28,8 @@ Eigen::Matrix<double, 3, 2> tangents_of(const Vector3d& normal) {
   return tangents;
 }
 
-std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x, bool edges,
+std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x,
+                                                       Features features,
                                                        const ClosestPoints& near) {
   // [1] roughly a squared sine: two nearly parallel sides do not show a rotation about themselves
   constexpr double alike = 0.05;
@@ -40,6 +41,7 @@ std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d
 
   // n rotates by h in the plane across it. Every side p of the features demands p.h = -n.(move of
   // p); h is the least-squares solution
+  const bool edges = features == Features::two_edges;
   const std::array<std::pair<int, int>, 2> sides{edges ? std::pair{0, 1} : std::pair{1, 2},
                                                  edges ? std::pair{2, 3} : std::pair{1, 3}};
   std::array<Eigen::Vector2d, 2> q;

@@ -25,10 +25,6 @@ constexpr double touching = 1e-12;  // [m] closer than this there is no directio
 // [1] fraction of dhat: pairs closer than this get blocks in the matrix
 constexpr double spaced = 1.5;
 
-ClosestPoints nearness(const std::array<Vector3d, 4>& x, bool edges) {
-  return edges ? edge_to_edge(x) : vertex_to_triangle(x);
-}
-
 std::array<Vector3d, 4> corners(const Points3& x, const std::array<int, 4>& v) {
   return {x.row(v[0]).transpose(), x.row(v[1]).transpose(), x.row(v[2]).transpose(),
           x.row(v[3]).transpose()};
@@ -109,7 +105,7 @@ Contact::Contact(const Points2& pattern, const Triangles& triangles, SheetPartit
       candidate_margin_(0.5 * dhat_),
       constraint_of_(pattern.rows(), -1) {}
 
-SweptBoxPairs& Contact::near() const {
+SweptBoxPairs& Contact::near() {
   if (!near_) near_.emplace(triangles_);
   return *near_;
 }
@@ -122,7 +118,7 @@ void Contact::set_constraints(const Points3& start, const PositionConstraints& h
   start_ = start;
 }
 
-double Contact::dhat_of(const std::array<int, 4>& v, bool edges) const {
+double Contact::dhat_of(const std::array<int, 4>& v, Features features) const {
   std::array<Vector3d, 4> p;
   bool all_held = true;
   for (int i = 0; i < 4; ++i) {
@@ -130,27 +126,29 @@ double Contact::dhat_of(const std::array<int, 4>& v, bool edges) const {
     all_held &= constraint_of_[v[i]] >= 0;
   }
   if (all_held) return 0;
-  const auto [a, b] = sheets_of(v, edges);
+  const auto [a, b] = sheets_of(v, features);
   if (a == b) {
-    double dhat = std::min(sheets_.dhat(a, a), pattern_share * nearness(p, edges).distance());
+    double dhat =
+        std::min(sheets_.dhat(a, a), pattern_share * closest_points(p, features).distance());
     if (panels_.rows() > 0)
-      dhat =
-          std::min(dhat, std::max(least_between_panels_,
-                                  begun_share * nearness(corners(panels_, v), edges).distance()));
-    return dhat_near_constraints(v, edges, dhat);
+      dhat = std::min(
+          dhat, std::max(least_between_panels_,
+                         begun_share * closest_points(corners(panels_, v), features).distance()));
+    return dhat_near_constraints(v, features, dhat);
   }
   double dhat = sheets_.dhat(a, b);
   if (sheets_.initial_positions.rows() > 0) {
     const double initial =
-        begun_share * nearness(corners(sheets_.initial_positions, v), edges).distance();
+        begun_share * closest_points(corners(sheets_.initial_positions, v), features).distance();
     if (initial < min_share * dhat) return 0;
     dhat = std::min(dhat, initial);
   }
-  return dhat_near_constraints(v, edges, dhat);
+  return dhat_near_constraints(v, features, dhat);
 }
 
-double Contact::dhat_near_constraints(const std::array<int, 4>& v, bool edges, double dhat) const {
-  const int cut = edges ? 2 : 1;  // corners before it belong to the first feature
+double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features features,
+                                      double dhat) const {
+  const int cut = second_of(features);  // corners before it belong to the first feature
   std::vector<int> held[2];
   for (int i = 0; i < 4; ++i)
     if (constraint_of_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
@@ -167,7 +165,7 @@ double Contact::dhat_near_constraints(const std::array<int, 4>& v, bool edges, d
 }
 
 template <class Visit>
-void Contact::for_each_pair(int a, int b, Visit visit) const {
+void Contact::for_each_pair(int a, int b, Visit visit) {
   const auto has = [&](int t, int v) {
     return triangles_(t, 0) == v || triangles_(t, 1) == v || triangles_(t, 2) == v;
   };
@@ -176,33 +174,35 @@ void Contact::for_each_pair(int a, int b, Visit visit) const {
       if ((near().owned()[s].corners >> i & 1) && !has(t, triangles_(s, i)))
         visit(std::array<int, 4>{triangles_(s, i), triangles_(t, 0), triangles_(t, 1),
                                  triangles_(t, 2)},
-              false);
+              Features::vertex_and_triangle);
   for (int i = 0; i < 3; ++i) {
     if (!(near().owned()[a].edges >> i & 1)) continue;
     const int p = triangles_(a, (i + 1) % 3), q = triangles_(a, (i + 2) % 3);
     for (int j = 0; j < 3; ++j) {
       if (!(near().owned()[b].edges >> j & 1)) continue;
       const int r = triangles_(b, (j + 1) % 3), s = triangles_(b, (j + 2) % 3);
-      if (p != r && p != s && q != r && q != s) visit(std::array<int, 4>{p, q, r, s}, true);
+      if (p != r && p != s && q != r && q != s)
+        visit(std::array<int, 4>{p, q, r, s}, Features::two_edges);
     }
   }
 }
 
 bool Contact::pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& v,
-                            bool edges) const {
+                            Features features) const {
   const auto begin = corners(from, v), end = corners(to, v), move = moves(from, to, v);
-  const double d0 = nearness(begin, edges).distance(), d1 = nearness(end, edges).distance();
-  const bool free = d0 + d1 > relative_move(move, edges);
+  const double d0 = closest_points(begin, features).distance(),
+               d1 = closest_points(end, features).distance();
+  const bool free = d0 + d1 > relative_move(move, features);
   if (d1 >= dhat_ && free) return false;
-  const double dhat = dhat_of(v, edges);
+  const double dhat = dhat_of(v, features);
   if (dhat == 0 || d0 <= touching) return false;
-  return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, edges) < 1);
+  return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, features) < 1);
 }
 
-bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) const {
+bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) {
   bool met = false;
-  for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
-    met = met || pair_collides(from, to, v, edges);
+  for_each_pair(a, b, [&](const std::array<int, 4>& v, Features features) {
+    met = met || pair_collides(from, to, v, features);
   });
   return met;
 }
@@ -261,12 +261,12 @@ void Contact::find_initially_intersecting(const Points3& x) {
   }
 }
 
-bool Contact::initially_intersecting(const std::array<int, 4>& v, bool edges) const {
+bool Contact::initially_intersecting(const std::array<int, 4>& v, Features features) const {
   const auto belongs = [&](int t, int first, int last) {
     return std::all_of(v.begin() + first, v.begin() + last,
                        [&](int w) { return (triangles_.row(t).array() == w).any(); });
   };
-  const int cut = edges ? 2 : 1;
+  const int cut = second_of(features);
   return std::any_of(entangled_.begin(), entangled_.end(), [&](const std::pair<int, int>& two) {
     return (belongs(two.first, 0, cut) && belongs(two.second, cut, 4)) ||
            (belongs(two.second, 0, cut) && belongs(two.first, cut, 4));
@@ -282,14 +282,15 @@ void Contact::begin(const Points3& x, const PositionConstraints& hard,
 }
 
 TouchingFeatures Contact::name_of(const ContactPair& pair, bool& swapped) const {
-  const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+  const auto [a, b] = sheets_of(pair.vertices, pair.features);
   TouchingFeatures name{{sheets_.number[a], sheets_.number[b]}, pair.vertices};
   std::array<int, 4>& v = name.vertices;
-  const int cut = pair.edges ? 2 : 1;
+  const int cut = second_of(pair.features);
   for (int i = 0; i < 4; ++i) v[i] -= sheets_.first[i < cut ? a : b];
   std::sort(v.begin(), v.begin() + cut);
   std::sort(v.begin() + cut, v.end());
-  swapped = pair.edges && std::tie(name.body[1], v[2], v[3]) < std::tie(name.body[0], v[0], v[1]);
+  swapped = pair.features == Features::two_edges &&
+            std::tie(name.body[1], v[2], v[3]) < std::tie(name.body[0], v[0], v[1]);
   if (swapped) name = {{name.body[1], name.body[0]}, {v[2], v[3], v[0], v[1]}};
   return name;
 }
@@ -300,7 +301,7 @@ void Contact::begin_friction(const FrictionHistory& history) {
   if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
   for_each_active(start_, 1, [&](std::size_t k, const ClosestPoints& near, double d) {
     const ContactPair& pair = pairs_[k];
-    const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+    const auto [a, b] = sheets_of(pair.vertices, pair.features);
     if (pair.dhat < lies_on * std::min(sheets_.dhat(a, a), sheets_.dhat(b, b))) return;
     const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.dhat).slope;
     if (!(force > 0)) return;
@@ -308,7 +309,7 @@ void Contact::begin_friction(const FrictionHistory& history) {
     const TouchingFeatures name = name_of(pair, swapped);
     const Eigen::Matrix<double, 3, 2> to_history = (swapped ? -1 : 1) * tangents_of(near.apart / d);
     friction_contacts_.push_back(
-        {pair.vertices, sliding_map(corners(start_, pair.vertices), pair.edges, near), force,
+        {pair.vertices, sliding_map(corners(start_, pair.vertices), pair.features, near), force,
          to_history, name, to_history.transpose() * history.shear(name)});
   });
 }
@@ -331,12 +332,12 @@ void Contact::build_candidates(const Points3& y, const Points3& move) {
   gap_bound_.clear();
   const Points3 end = y + move, low = y.cwiseMin(end), high = y.cwiseMax(end);
   const double within = dhat_ + 2 * candidate_margin_;
-  const auto boxes_apart = [&](const std::array<int, 4>& v, bool edges) {
+  const auto boxes_apart = [&](const std::array<int, 4>& v, Features features) {
     for (int k = 0; k < 3; ++k) {
       double low_a = low(v[0], k), high_a = high(v[0], k),
              low_b = std::min(low(v[2], k), low(v[3], k)),
              high_b = std::max(high(v[2], k), high(v[3], k));
-      if (edges) {
+      if (features == Features::two_edges) {
         low_a = std::min(low_a, low(v[1], k));
         high_a = std::max(high_a, high(v[1], k));
       } else {
@@ -348,14 +349,14 @@ void Contact::build_candidates(const Points3& y, const Points3& move) {
     return false;
   };
   for (const auto& [a, b] : near().find(y, move, 0.5 * within)) {
-    for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
-      if (boxes_apart(v, edges)) return;
-      const double d = nearness(corners(y, v), edges).distance();
-      const double least = d - relative_move(moves(y, end, v), edges);
-      if (least > within || initially_intersecting(v, edges)) return;
-      const double dhat = dhat_of(v, edges);
+    for_each_pair(a, b, [&](const std::array<int, 4>& v, Features features) {
+      if (boxes_apart(v, features)) return;
+      const double d = closest_points(corners(y, v), features).distance();
+      const double least = d - relative_move(moves(y, end, v), features);
+      if (least > within || initially_intersecting(v, features)) return;
+      const double dhat = dhat_of(v, features);
       if (dhat == 0 || least > dhat + 2 * candidate_margin_ || d <= touching) return;
-      pairs_.push_back({v, edges, dhat});
+      pairs_.push_back({v, features, dhat});
       gap_bound_.push_back(least - dhat);
     });
   }
@@ -389,7 +390,7 @@ double Contact::collision_free_step(const Points3& y, const Points3& move) const
     if (const double d = gap_bound_[k] + pair.dhat - off; d > 1e-6 && 0.8 * d > fastest) continue;
     auto move_of = moves(y, end, pair.vertices);
     for (Vector3d& m : move_of) m *= share;
-    share *= paperbake::collision_free_step(corners(y, pair.vertices), move_of, pair.edges);
+    share *= paperbake::collision_free_step(corners(y, pair.vertices), move_of, pair.features);
   }
   return share;
 }
@@ -400,7 +401,7 @@ void Contact::for_each_active(const Points3& y, double dhat_ratio, Visit visit) 
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const double within = dhat_ratio * pairs_[k].dhat;
     if (gap_bound_[k] + pairs_[k].dhat - off >= within) continue;
-    const ClosestPoints near = nearness(corners(y, pairs_[k].vertices), pairs_[k].edges);
+    const ClosestPoints near = closest_points(corners(y, pairs_[k].vertices), pairs_[k].features);
     const double d = near.distance();
     if (d < within) visit(k, near, d);
   }
@@ -483,7 +484,7 @@ void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of
 std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
   std::vector<Active> counts(sheets_.dhat.rows());
   for_each_active(y, 1, [&](std::size_t k, const ClosestPoints&, double) {
-    const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].edges);
+    const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].features);
     if (a == b)
       ++counts[a].own;
     else {

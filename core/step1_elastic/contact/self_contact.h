@@ -2,6 +2,7 @@
 
 #include "core/geometry/swept_box_pairs.h"
 #include "core/linear_algebra/block_cholesky.h"
+#include "core/step1_elastic/contact/features.h"
 #include "core/step1_elastic/contact/friction_history.h"
 #include "core/step1_elastic/contact/separation_bound.h"
 #include "core/step1_elastic/position_constraints.h"
@@ -16,8 +17,8 @@ namespace paperbake {
 /// Two features that may collide: a vertex and a triangle that it is no corner of, or two edges
 /// without a common vertex.
 struct ContactPair {
-  std::array<int, 4> vertices;  // vertex, triangle; or edge, edge
-  bool edges;
+  std::array<int, 4> vertices;  // the corners of both
+  Features features;
   double dhat;  // [m] dhat of this pair
 };
 
@@ -147,10 +148,10 @@ class Contact {
     bool placed = false;
   };
 
-  SweptBoxPairs& near() const;
+  SweptBoxPairs& near();
   void set_constraints(const Points3& start, const PositionConstraints& hard);
   void find_initially_intersecting(const Points3& x);
-  bool initially_intersecting(const std::array<int, 4>& vertices, bool edges) const;
+  bool initially_intersecting(const std::array<int, 4>& vertices, Features) const;
   void build_candidates(const Points3& y, const Points3& move);
   void begin_friction(const FrictionHistory&);
   /// swapped  receives whether the name has the two edges the other way round
@@ -158,15 +159,15 @@ class Contact {
   Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;
   Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
-  void for_each_pair(int a, int b, Visit) const;
-  std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const {
-    return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]};
+  void for_each_pair(int a, int b, Visit);
+  std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, Features features) const {
+    return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[second_of(features)]]};
   }
-  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to) const;
-  double dhat_of(const std::array<int, 4>& vertices, bool edges) const;
-  double dhat_near_constraints(const std::array<int, 4>& vertices, bool edges, double dhat) const;
+  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to);
+  double dhat_of(const std::array<int, 4>& vertices, Features) const;
+  double dhat_near_constraints(const std::array<int, 4>& vertices, Features, double dhat) const;
   bool pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
-                     bool edges) const;
+                     Features) const;
   double drift(const Points3& y) const;
   template <class Visit>
   void for_each_active(const Points3& y, double dhat_ratio, Visit) const;
@@ -174,7 +175,7 @@ class Contact {
   Points2 pattern_;
   Triangles triangles_;
   std::optional<SeparationBound> separation_bound_;  // for a single sheet only
-  mutable std::optional<SweptBoxPairs> near_;        // made when it is first needed
+  std::optional<SweptBoxPairs> near_;                // made when it is first needed
   SheetPartition sheets_;
   double dhat_;
   // [m] how far vertices may be off the motion of the last update before the list is rebuilt

@@ -1,8 +1,10 @@
 #include "core/step1_elastic/contact/separation_bound.h"
 
+#include "core/geometry/mesh_edges.h"
+#include "core/model/segment2.h"
+
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
 #include <array>
 
 namespace paperbake {
@@ -12,27 +14,11 @@ using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
 /// True if every vertex lies to the left of every border edge.
 bool is_convex(const Points2& pattern, const Triangles& triangles) {
-  // lower vertex, higher vertex, and 0 if the edge runs from low to high seen from the triangle,
-  // else 1
-  std::vector<std::array<int, 3>> edges;
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = triangles(t, i), b = triangles(t, (i + 1) % 3);
-      edges.push_back({std::min(a, b), std::max(a, b), a > b});
-    }
-  std::sort(edges.begin(), edges.end());
-  const auto same = [&](std::size_t i, std::size_t j) {
-    return i < edges.size() && j < edges.size() && edges[i][0] == edges[j][0] &&
-           edges[i][1] == edges[j][1];
-  };
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    if (same(k, k + 1) || same(k, k - 1)) continue;
-    const Eigen::RowVector2d a = pattern.row(edges[k][edges[k][2]]),
-                             e = pattern.row(edges[k][1 - edges[k][2]]) - a;
+  for (const auto& [from, to] : border_of(MeshEdges(triangles))) {
+    const Eigen::RowVector2d a = pattern.row(from), e = pattern.row(to) - a;
     const double least = -1e-9 * e.squaredNorm();
     for (int v = 0; v < pattern.rows(); ++v)
-      if (const Eigen::RowVector2d p = pattern.row(v) - a; e.x() * p.y() - e.y() * p.x() < least)
-        return false;
+      if (const Eigen::RowVector2d p = pattern.row(v) - a; cross(e, p) < least) return false;
   }
   return true;
 }

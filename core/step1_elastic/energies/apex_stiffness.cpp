@@ -1,6 +1,7 @@
 #include "core/step1_elastic/energies/apex_stiffness.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/singular_vertices.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ std::vector<double> apex_stiffness_factors(const Sheet& sheet, const Paper& pape
   std::vector<double> core(sheet.pattern.rows(), 0.0);
   for (std::size_t k = 0; k < sheet.singular.size(); ++k)
     for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if ((sheet.pattern.row(v).transpose() - sheet.singular[k].pattern).norm() < 1e-9)
+      if (is_at_vertex(sheet.singular[k], sheet, v))
         core[v] = core_radius(paper, size_of_cone(sheet, hinges, k));
 
   std::vector<double> factors(sheet.triangles.rows(), 1.0);

@@ -1,5 +1,7 @@
 #include "core/step1_elastic/energies/bending.h"
 
+#include "core/model/segment2.h"
+
 #include <cmath>
 
 namespace paperbake {
@@ -95,7 +97,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern,
   RestBending rest;
   const Vector2d p[3] = {pattern.row(corners[0]), pattern.row(corners[1]), pattern.row(corners[2])};
   const Vector2d u = p[1] - p[0], v = p[2] - p[0];
-  rest.area = 0.5 * (u.x() * v.y() - u.y() * v.x());
+  rest.area = 0.5 * cross(u, v);
   rest.rigidity = stiffening * paper.bending_stiffness;
   rest.poisson = paper.poisson;
   rest.hardening = paper.hardening;

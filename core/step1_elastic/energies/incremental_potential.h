@@ -20,15 +20,19 @@ namespace paperbake {
 /// phi  potential of the external forces per unit of mass (external_forces.h)
 struct SheetPotential {
   const ElasticEnergy& elastic;
-  const Eigen::VectorXd& mass;  // [kg] of the vertices
-  Points3 xhat;
-  double inertia;  // [1/s2] factor on the mass
-  ExternalForces forces;
-  PositionConstraints springs;       // constraints that pull (handle_springs.h)
-  ColliderContact* colliders;        // null: there are none
+  const Eigen::VectorXd& mass;       // [kg] of the vertices
   const std::vector<int>& block_of;  // |V| block row in the matrix, -1: constrained
-  const AirDrag* air = nullptr;      // null: there is none
+  Points3 xhat = {};
+  double inertia = 0;  // [1/s2] factor on the mass
+  ExternalForces forces = {};
+  PositionConstraints springs = {};      // constraints that pull (handle_springs.h)
+  ColliderContact* colliders = nullptr;  // null: there are none
+  const AirDrag* air = nullptr;          // null: there is none
 
+  /// The same step of a sheet that stores another energy.
+  SheetPotential with(const ElasticEnergy& stored) const {
+    return {stored, mass, block_of, xhat, inertia, forces, springs, colliders, air};
+  }
   double energy_and_springs(const Points3& x) const;
   double inertia_and_forces(const Points3& x) const {
     return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + forces.potential(x));

@@ -51,10 +51,7 @@ void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<in
 void Elastic::Impl::advance(BranchDescent& descent, const IncrementalPotential& W, int most,
                             ElasticReport& report) {
   const bool is_softened = descent.phase == BranchDescent::softened;
-  const SheetPotential& own = W.sheets.front();
-  const IncrementalPotential gentle{{{*softened, mass, own.xhat, own.inertia, own.forces,
-                                      own.springs, own.colliders, block_of, own.air}},
-                                    nullptr};
+  const IncrementalPotential gentle{{W.sheets.front().with(*softened)}, nullptr};
   const MembraneStress stress =
       is_softened ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                   : softened->stress(descent.x, Points3::Zero(descent.x.rows(), 3));
@@ -174,18 +171,17 @@ StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input
 SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& step,
                                         PositionConstraints springs) {
   const bool dynamic = options.inertia == Inertia::dynamic;
-  const double dt = step.dt, inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  const double dt = step.dt;
   air.reset();
   if (dynamic && options.air.density > 0) air.emplace(options.air, sheet, dt, step.time);
-  return {*energy,
-          mass,
-          dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x,
-          inertia,
-          options.forces,
-          std::move(springs),
-          colliders ? &*colliders : nullptr,
-          block_of,
-          air ? &*air : nullptr};
+  SheetPotential W{*energy, mass, block_of};
+  W.xhat = dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x;
+  W.inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  W.forces = options.forces;
+  W.springs = std::move(springs);
+  if (colliders) W.colliders = &*colliders;
+  if (air) W.air = &*air;
+  return W;
 }
 
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,

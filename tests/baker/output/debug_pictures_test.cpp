@@ -1,5 +1,6 @@
 #include "baker/output/debug_pictures.h"
 
+#include "tests/baker/output/image_pixels.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
@@ -7,6 +8,9 @@
 
 namespace paperbake {
 namespace {
+
+using test::count;
+using test::orange;
 
 /// The arch of a sheet wound to a radius, held at one corner.
 struct Wound {
@@ -24,13 +28,9 @@ struct Wound {
   Image draw() const { return debug_picture(shot, frame, "wound"); }
 };
 
-int count(const Image& image, const std::function<bool(const Colour&)>& wanted) {
-  return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), wanted));
-}
 bool reddish(const Colour& c) { return c.red > c.blue + 60 && c.red > c.green + 60; }
 bool bluish(const Colour& c) { return c.blue > c.red + 60 && c.blue > c.green + 20; }
 bool magenta(const Colour& c) { return c == Colour{200, 0, 170}; }
-bool orange(const Colour& c) { return c == Colour{240, 130, 0}; }
 int different(const Image& a, const Image& b) {
   int n = 0;
   for (std::size_t k = 0; k < a.pixels.size(); ++k) n += !(a.pixels[k] == b.pixels[k]);

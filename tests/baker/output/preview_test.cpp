@@ -3,6 +3,7 @@
 
 #include "baker/output/preview.h"
 
+#include "tests/baker/output/image_pixels.h"
 #include "tests/baker/program_fixture.h"
 #include "tests/core/test_meshes.h"
 
@@ -16,7 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using PreviewCommandTest = test::CommandLine;
+using test::count;
 using test::Ended;
+using test::orange;
 using test::read;
 
 CacheFrame flat(const Vector3d& shift = {0, 0, 0}) {
@@ -29,13 +32,9 @@ CacheFrame flat(const Vector3d& shift = {0, 0, 0}) {
 
 Panel panel(CacheFrame frame) { return {{"1"}, {std::move(frame)}, {}, {}}; }
 
-int count(const Image& image, const std::function<bool(const Colour&)>& wanted) {
-  return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), wanted));
-}
 bool warm(const Colour& c) { return c.red > 100 && c.red > c.blue + 3; }  // of the front
 bool cool(const Colour& c) { return c.red > 60 && c.blue > c.red + 10; }  // of the back
 bool green(const Colour& c) { return c == Colour{10, 170, 70}; }
-bool orange(const Colour& c) { return c == Colour{240, 130, 0}; }
 
 TEST(PreviewTest, FramesAreEvenlyApartEndWithTheLastAndAreSixteenAtMost) {
   for (const FrameSpan& frames : std::vector<FrameSpan>{

@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/model/segment2.h"
 
 #include "core/animation/initial_sheet.h"
 #include "core/geometry/collider.h"
@@ -248,7 +249,7 @@ TEST(AnimateTest, ALoneHandleStiffensADiscTheSizeOfAFinger) {
       return started.sheet.pattern.row(started.sheet.triangles(t, i));
     };
     const Vector2d u = p(1) - p(0), v = p(2) - p(0);
-    area += 0.5 * (u.x() * v.y() - u.y() * v.x());
+    area += 0.5 * cross(u, v);
   }
   EXPECT_NEAR(area, 1.5 * std::sqrt(3.0) * 0.01 * 0.01, 1e-8);  // the hexagon of radius 10 mm
 }

@@ -12,11 +12,9 @@ namespace paperbake {
 namespace {
 
 using test::Outcome;
+using test::small_hybrid;
 
 MethodChoice coarse_fem(const Shot&, std::size_t) { return fem(150); }
-MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
-  return hybrid(shot.pattern, shot.paper, 80, {}, 1, static_cast<std::uint32_t>(sheet));
-}
 
 AnimateOptions until(int last_frame, double gravity = 0) {
   AnimateOptions options;

@@ -2,6 +2,7 @@
 
 #include "core/animation/animate.h"
 #include "core/methods/hybrid.h"
+#include "tests/core/collider_meshes.h"
 #include "tests/core/test_shots.h"
 
 #include <Eigen/Geometry>
@@ -69,6 +70,22 @@ TEST(MotionMeasuresTest, FingersThatFlickACardDoNotBendIt) {
             return true;
           });
   EXPECT_LT(most, 2e-5);
+}
+
+/// What squeezes is what deforms: a cage that shrinks does, one that goes elsewhere as it is does
+/// not.
+TEST(MotionMeasuresTest, ASheetIsSqueezedByCollidersThatMoveRelativeToEachOther) {
+  const Colliders cage{Collider(test::box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06}, true))};
+  const ColliderShapes from = shapes_at(cage, 0);
+  Points3 x(4, 3);  // on two opposite sides, within the reach of the barrier
+  x << -0.0598, 0, 0, -0.0598, 0.01, 0, 0.0598, 0, 0, 0.0598, 0.01, 0;
+  const auto moved = [&](const Points3& to) -> ColliderShapes {
+    return {std::make_shared<const Collider>(*from[0], to)};
+  };
+  const Points3& now = from[0]->mesh().x;
+  EXPECT_EQ(squeeze(x, {from, from}), 0);
+  EXPECT_LT(squeeze(x, {from, moved(now.rowwise() + Eigen::RowVector3d(0.01, 0, 0))}), 1e-9);
+  EXPECT_NEAR(squeeze(x, {from, moved(0.9 * now)}), 0.006, 3e-4);
 }
 
 }  // namespace

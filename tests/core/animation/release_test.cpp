@@ -15,12 +15,10 @@ namespace paperbake {
 namespace {
 
 using test::Outcome;
+using test::small_hybrid;
 
 constexpr int let_go = 24;
 
-MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
-  return hybrid(shot.pattern, shot.paper, 80, {}, 1, static_cast<std::uint32_t>(sheet));
-}
 MethodChoice coarse_fem(const Shot&, std::size_t) { return fem(80); }
 
 /// A strip whose two ends are held by two points each; in frames 1 to 16 the right end comes nearer

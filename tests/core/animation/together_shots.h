@@ -2,12 +2,18 @@
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "tests/core/test_shots.h"
 
 #include <functional>
 #include <vector>
 
 namespace paperbake::test {
+
+/// The hybrid method with a mesh of 80 triangles.
+inline MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
+  return hybrid(shot.pattern, shot.paper, 80, {}, 1, static_cast<std::uint32_t>(sheet));
+}
 
 /// A rectangle with a flat start shape: the point (u, v) of the pattern is at corner + u a + v b.
 /// The start mesh has 4 x 4 cells.

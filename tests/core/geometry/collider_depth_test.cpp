@@ -2,6 +2,7 @@
 
 #include "core/geometry/collider_depth.h"
 
+#include "tests/core/collider_meshes.h"
 #include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -14,16 +15,8 @@
 namespace paperbake {
 namespace {
 
+using test::box;
 using test::hex_sheet;
-
-ColliderMesh box(const Vector3d& low, const Vector3d& high) {
-  ColliderMesh mesh{"box", Points3(8, 3), Triangles(12, 3), {}};
-  for (int v = 0; v < 8; ++v)
-    mesh.x.row(v) << (v & 1 ? high : low).x(), (v & 2 ? high : low).y(), (v & 4 ? high : low).z();
-  mesh.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6,
-      0, 6, 2, 1, 3, 7, 1, 7, 5;
-  return mesh;
-}
 
 /// The block (0, 2)^3 without its quarter x > 1, z > 1: it is not convex. [cm]
 ColliderMesh step() {

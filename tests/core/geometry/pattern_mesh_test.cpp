@@ -1,4 +1,5 @@
 #include "core/geometry/pattern_mesh.h"
+#include "core/model/segment2.h"
 
 #include "core/model/error.h"
 #include "tests/core/test_shots.h"
@@ -12,6 +13,7 @@
 namespace paperbake {
 namespace {
 
+using test::ell;
 using test::rectangle;
 
 std::vector<Vector2d> circle(const Vector2d& centre, double radius, int sides,
@@ -25,7 +27,6 @@ std::vector<Vector2d> circle(const Vector2d& centre, double radius, int sides,
 }
 
 Pattern disc() { return {circle({0.1, 0.1}, 0.1, 64), {}}; }
-Pattern ell() { return {{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}}, {}}; }
 Pattern holed() {
   return {rectangle(0.2, 0.2).outline,
           {circle({0.11, 0.09}, 0.04, 48, /*counter_clockwise=*/false)}};
@@ -56,7 +57,7 @@ double area_of(const PatternMesh& mesh, int t) {
   const Vector2d a = mesh.vertices.row(mesh.triangles(t, 0)),
                  b = mesh.vertices.row(mesh.triangles(t, 1)),
                  c = mesh.vertices.row(mesh.triangles(t, 2));
-  return 0.5 * ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+  return 0.5 * cross(b - a, c - a);
 }
 
 double smallest_angle(const PatternMesh& mesh, int t) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@ inline double twice_area(const Sheet& sheet, int t) {
   const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
                  b = sheet.pattern.row(sheet.triangles(t, 1)),
                  c = sheet.pattern.row(sheet.triangles(t, 2));
-  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+  return cross(b - a, c - a);
 }
 
 /// Expects that the mesh covers a region of this area [m2], with the topology of a disc, exactly

@@ -5,9 +5,9 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/singular_vertices.h"
 #include "core/geometry/vertex_rings.h"
 #include "core/methods/hybrid.h"
-#include "core/step2_crumple/singular_points.h"
 #include "formats/scene/scene_file.h"
 
 #include <gtest/gtest.h>

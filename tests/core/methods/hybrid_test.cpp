@@ -8,7 +8,6 @@
 #include "core/geometry/random.h"
 #include "core/methods/hybrid.h"
 #include "core/step2_crumple/edge_flips.h"
-#include "core/step2_crumple/singular_points.h"
 #include "tests/core/geometry/sound_mesh.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"

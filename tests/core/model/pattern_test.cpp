@@ -1,5 +1,7 @@
 #include "core/model/pattern.h"
 
+#include "tests/core/test_shots.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,10 +9,9 @@
 namespace paperbake {
 namespace {
 
-Pattern square(double side) { return {{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}}; }
+using test::ell;
 
-// An L: the 0.2 m square without its upper right quarter; the re-entrant corner is (0.1, 0.1).
-Pattern ell() { return {{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}}, {}}; }
+Pattern square(double side) { return {{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}}; }
 
 // A 0.3 m square with a 0.1 m square hole in its middle.
 Pattern frame() {

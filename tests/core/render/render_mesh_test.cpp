@@ -1,4 +1,5 @@
 #include "core/render/render_mesh.h"
+#include "core/model/segment2.h"
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
@@ -24,7 +25,7 @@ double min_angle(const Points2& pattern, const Triangles& triangles) {
     for (int i = 0; i < 3; ++i) {
       const Vector2d u = pattern.row(triangles(t, (i + 1) % 3)) - pattern.row(triangles(t, i));
       const Vector2d v = pattern.row(triangles(t, (i + 2) % 3)) - pattern.row(triangles(t, i));
-      least = std::min(least, std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v)));
+      least = std::min(least, std::atan2(cross(u, v), u.dot(v)));
     }
   return least;
 }
@@ -42,7 +43,7 @@ double area_of(const RenderMesh& mesh) {
         mesh.pattern.row(mesh.triangles(t, 1)) - mesh.pattern.row(mesh.triangles(t, 0));
     const Vector2d v =
         mesh.pattern.row(mesh.triangles(t, 2)) - mesh.pattern.row(mesh.triangles(t, 0));
-    sum += 0.5 * (u.x() * v.y() - u.y() * v.x());
+    sum += 0.5 * cross(u, v);
   }
   return sum;
 }
@@ -62,7 +63,7 @@ TEST(RenderMeshTest, HasEveryPointAndEveryCrease) {
       double least = 1;
       for (const CreaseSegment& c : features.creases) {
         const Vector2d d = (c.b - c.a).normalized(), p = mesh.pattern.row(v).transpose() - c.a;
-        least = std::min(least, std::abs(p.x() * d.y() - p.y() * d.x()));
+        least = std::min(least, std::abs(cross(p, d)));
       }
       EXPECT_LT(least, 1e-9) << "vertices of creases lie on them";
     }
@@ -101,8 +102,7 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
                          d = (sheet.pattern.row(sheet.triangles(under, (k + 1) % 3)).transpose() -
                               a)
                                  .normalized();
-          EXPECT_GT(d.x() * (p - a).y() - d.y() * (p - a).x(), -3e-7)
-              << "a millionth of the sheet, and what comes of it";
+          EXPECT_GT(cross(d, p - a), -3e-7) << "a millionth of the sheet, and what comes of it";
         }
       }
     }

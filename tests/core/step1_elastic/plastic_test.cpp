@@ -1,5 +1,6 @@
 #include "core/methods/hybrid.h"
 #include "core/model/plastic_grid.h"
+#include "core/model/segment2.h"
 
 #include "core/animation/animate.h"
 #include "core/geometry/curvature.h"
@@ -186,8 +187,7 @@ double integral_through(const PlasticGrid& grid, const Sheet& sheet) {
     const Vector2d v =
         (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0)))
             .transpose();
-    sum += 0.5 * (u.x() * v.y() - u.y() * v.x()) *
-           std::sqrt(S[0] * S[0] + 2 * S[1] * S[1] + S[2] * S[2]);
+    sum += 0.5 * cross(u, v) * std::sqrt(S[0] * S[0] + 2 * S[1] * S[1] + S[2] * S[2]);
   }
   return sum;
 }
@@ -264,7 +264,7 @@ TEST(PlasticTest, PlasticCurvatureOfAVertexIsTheMeanOfTheTrianglesAroundIt) {
         sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0));
     const Eigen::RowVector2d b =
         sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0));
-    return 0.5 * (a.x() * b.y() - a.y() * b.x());
+    return 0.5 * cross(a, b);
   };
   for (int v = 0; v < after.rows(); ++v) {
     double ring = 0, own = 0;

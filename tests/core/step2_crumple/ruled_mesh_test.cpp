@@ -1,4 +1,5 @@
 #include "core/step2_crumple/ruled_mesh.h"
+#include "core/model/segment2.h"
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/pattern_mesh.h"
@@ -12,8 +13,6 @@
 
 namespace paperbake {
 namespace {
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Quality {
   double area = 0, min_altitude = 1;

@@ -1,4 +1,5 @@
 #include "core/step2_crumple/rulings.h"
+#include "core/model/segment2.h"
 
 #include "tests/core/test_cones.h"
 #include "tests/core/test_shots.h"
@@ -12,8 +13,6 @@ namespace {
 
 constexpr double degree = M_PI / 180;
 constexpr double h = 0.015;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 bool cross_each_other(const Ruling& r, const Ruling& s) {
   return cross(r.b - r.a, s.a - r.a) * cross(r.b - r.a, s.b - r.a) < 0 &&

@@ -1,38 +1,16 @@
 #include "core/step2_crumple/singular_points.h"
 
-#include "core/animation/animate.h"
-#include "core/geometry/curvature.h"
-#include "core/geometry/hinges.h"
-#include "core/geometry/measure.h"
-#include "core/geometry/random.h"
-#include "core/step2_crumple/edge_flips.h"
-#include "core/step2_crumple/singular_points.h"
-#include "tests/core/geometry/sound_mesh.h"
+#include "core/step2_crumple/conflicts.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace paperbake {
 namespace {
-
-TEST(SingularPointsTest, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
-  constexpr int n = 20000;
-  Vector2d mean(0, 0);
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (int k = 0; k < n; ++k) {
-    const Vector2d g = gaussian({7, 0, static_cast<std::uint32_t>(k)}, 0);
-    mean += g / n;
-    scatter += g * g.transpose() / n;
-  }
-  const double error = 4 / std::sqrt(double(n));  // four standard errors
-  EXPECT_LT(mean.cwiseAbs().maxCoeff(), error);
-  EXPECT_NEAR(scatter(0, 0), 1, 1.5 * error);
-  EXPECT_NEAR(scatter(1, 1), 1, 1.5 * error);
-  EXPECT_NEAR(scatter(0, 1), 0, error);
-}
 
 TEST(SingularPointsTest, DrawsScatterAroundTheMiddleOfTheConflictByThePapersDeviation) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
@@ -129,32 +107,6 @@ TEST(SingularPointsTest, DrawsNearTheBorderFollowAGaussianTruncatedAtTheMargin) 
   }
 }
 
-TEST(SingularPointsTest, MiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
-  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
-  const Vector2d core_weight(0.043, 0.052);
-  // a dome of 12 mm with positive Gaussian curvature inside and negative curvature around it
-  for (int v = 0; v < sheet.x.rows(); ++v)
-    sheet.x(v, 2) =
-        0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core_weight).squaredNorm() /
-                         (2 * 0.012 * 0.012));
-  const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), {}, {});
-  std::vector<int> members;
-  for (int v = 0; v < sheet.pattern.rows(); ++v)
-    if (conflicts.exceeds[v]) members.push_back(v);
-  ASSERT_FALSE(members.empty());
-  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
-    return conflicts.turn[a] < conflicts.turn[b];
-  });
-  EXPECT_GT((sheet.pattern.row(worst).transpose() - core_weight).norm(), 0.002);  // cells of 10 mm
-  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core_weight).norm(), 0.0015);
-
-  Conflicts saddle = conflicts;  // where nothing bulges, the turning angles decide
-  std::fill(saddle.core_weight.begin(), saddle.core_weight.end(), 0.0);
-  EXPECT_LT(
-      (middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(),
-      1e-12);
-}
-
 TEST(SingularPointsTest, SpacingGrowsWithTheThicknessAndTheSizeOfTheSheet) {
   const Paper paper;
   Paper card;
@@ -190,71 +142,6 @@ TEST(SingularPointsTest, DrawsKeepTheirDistanceFromTheBorderAndOtherPoints) {
     EXPECT_GE((*p - sheet.singular[0].pattern).norm(), spacing);
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
-}
-
-TEST(SingularPointsTest, InsertedPointBecomesAVertexAndTheMeshStaysSound) {
-  int exact = 0;
-  for (unsigned seed = 0; seed < 60; ++seed) {
-    Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.1, seed);
-    test::roll(sheet, 0.05);
-    // every other time no vertex may move, so that triangles have to be split
-    std::vector<char> fixed(sheet.pattern.rows(), seed % 2);
-    for (int k = 0; k < 5; ++k) {
-      const Vector2d p(0.05 + 0.04 * uniform(seed, 2 * k), 0.05 + 0.04 * uniform(seed, 2 * k + 1));
-      const int v = insert_vertex(sheet, p, fixed);
-      const double beside = (sheet.pattern.row(v).transpose() - p).norm();
-      // a fifth of an altitude: the vertex lies farther inside where it would cut across a fold
-      EXPECT_LT(beside, 0.2 * 0.0167);
-      exact += beside < 1e-15;
-      sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
-      EXPECT_NEAR(sheet.x(v, 1), sheet.pattern(v, 1), 2e-3);  // on a chord of the cylinder
-      EXPECT_EQ(sheet.v.rows(), sheet.pattern.rows());
-      fixed.resize(sheet.pattern.rows(), 0);
-    }
-    test::expect_sound(sheet, 0.01);
-  }
-  EXPECT_GT(exact, 0.7 * 60 * 5);
-}
-
-TEST(SingularPointsTest, PointInsertedNearAnEdgeTurnsNoTriangleOver) {
-  // the lower triangle is so flat that points above the left half of the common edge are not
-  // visible from its tip
-  Points2 pattern(4, 2);
-  pattern << 0, 0, 1, 0, 0.3, 0.5, -0.8, -0.1;
-  Triangles triangles(2, 3);
-  triangles << 0, 1, 2, 1, 0, 3;
-  for (double x = 0.05; x < 0.95; x += 0.05)
-    for (const double y : {0.01, 0.03, 0.05, 0.07}) {
-      Sheet sheet = test::flat_sheet(pattern, triangles);
-      sheet.x(3, 2) = -0.01;  // a fold
-      insert_vertex(sheet, {x, y}, {1, 1, 1, 1});
-      test::expect_sound(sheet, 0.3);
-    }
-}
-
-TEST(SingularPointsTest, InsertionKeepsAFoldAndAFlipPassesThroughNoOtherLayer) {
-  // two triangles folded by 90 degrees: a point just beside the fold stays in its own triangle
-  Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(),
-                                (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
-  bent.x.row(3) << 0.05, 0, -0.08;
-  insert_vertex(bent, {0.05, 0.004}, {});
-  EXPECT_LT(length_distortion(bent).largest, 1e-12);
-  EXPECT_EQ(bent.triangles.rows(), 4);
-
-  // a saddle of two triangles over the longer diagonal, and a blade that stands between the two
-  // diagonals
-  Sheet pair = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.03, 0.05, -0.03).finished(),
-                                (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
-  pair.x.row(2)[2] = pair.x.row(3)[2] = 0.004;
-  Sheet bladed = pair;
-  bladed.pattern.conservativeResize(7, 2);
-  bladed.pattern.bottomRows<3>() << 1, 0, 1.1, 0, 1, 0.1;
-  bladed.x.conservativeResize(7, 3);
-  bladed.x.bottomRows<3>() << 0.03, 0, 0.002, 0.07, 0, 0.002, 0.05, 0, 0.0025;
-  bladed.triangles.conservativeResize(3, 3);
-  bladed.triangles.row(2) << 4, 5, 6;
-  EXPECT_EQ(flip_towards_rulings(pair, Points3::Zero(4, 3), 0.8), 1);
-  EXPECT_EQ(flip_towards_rulings(bladed, Points3::Zero(7, 3), 0.8), 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // The sheet and its pattern from meshes written by hand.
 
+#include "core/model/segment2.h"
 #include "formats/scene/scene_file.h"
 #include "formats/scene/scene_properties.h"
 
@@ -121,7 +122,7 @@ TEST(SceneSheets, MirroredUvsGiveAPatternSeenFromTheFront) {
   const auto i = start.triangles.row(0);
   const Vector2d a = start.pattern.row(i(1)) - start.pattern.row(i(0)),
                  b = start.pattern.row(i(2)) - start.pattern.row(i(0));
-  EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 1e-4);
+  EXPECT_GT(cross(a, b), 1e-4);
 }
 
 TEST(SceneSheets, ASheetCutInItsUvsStaysCut) {

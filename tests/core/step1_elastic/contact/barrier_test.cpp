@@ -1,64 +1,13 @@
-#include "core/step1_elastic/contact/self_contact.h"
-
-#include "core/geometry/measure.h"
-#include "core/geometry/proximity.h"
 #include "core/step1_elastic/contact/barrier.h"
-#include "tests/core/test_meshes.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include <set>
+#include <random>
 
 namespace paperbake {
 namespace {
 
-constexpr double frame = 1.0 / 24;  // [s]
-
 using Corners = std::array<Vector3d, 4>;
-
-double distance(const Corners& x, bool edges) {
-  return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance();
-}
-
-/// A second sheet beside the first on the pattern, so far away that no features of the two are
-/// neighbours; its `x` stays as it is.
-Sheet join(const Sheet& a, const Sheet& b) {
-  const int n = static_cast<int>(a.pattern.rows());
-  Sheet both;
-  both.pattern.resize(n + b.pattern.rows(), 2);
-  both.pattern << a.pattern, b.pattern.rowwise() + Eigen::RowVector2d(1, 0);
-  both.x.resize(both.pattern.rows(), 3);
-  both.x << a.x, b.x;
-  both.v = Points3::Zero(both.x.rows(), 3);
-  both.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
-  both.triangles << a.triangles, (b.triangles.array() + n).matrix();
-  return both;
-}
-
-/// Two crumpled layers, one over the other and closer than dhat: hundreds of pairs of all kinds.
-Sheet two_layers(double gap) {
-  Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.1, 0.1, 5, 0.2, 2);
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> noise(-0.2 * gap, 0.2 * gap);
-  for (Sheet* s : {&low, &high})
-    for (int v = 0; v < s->x.rows(); ++v) s->x(v, 2) += noise(random) + (s == &high ? gap : 0);
-  return join(low, high);
-}
-
-/// [m] dhat of two_layers(), however far apart they are
-double dhat_of_layers() {
-  const Sheet layers = two_layers(1);
-  return Contact(layers.pattern, layers.triangles).dhat();
-}
-
-Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
-
-/// Energy with a new list of pairs.
-double energy_at(Contact& contact, const Points3& x) {
-  contact.begin(x, {});
-  return contact.energy(x);
-}
 
 TEST(BarrierTest, SlopeAndSecondAreDerivativesOfTheValue) {
   const double dhat = 2e-3, step = 1e-9;
@@ -81,20 +30,21 @@ TEST(BarrierTest, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
   const auto point = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
   int stopped = 0;
   for (int k = 0; k < 4000; ++k) {
-    const bool edges = k % 2;
+    const Features features = k % 2 ? Features::two_edges : Features::vertex_and_triangle;
     Corners x, move;
     for (int i = 0; i < 4; ++i) {
       x[i] = point();
       move[i] = 5 * point();
     }
-    const double share = collision_free_step(x, move, edges), d = distance(x, edges);
+    const double share = collision_free_step(x, move, features),
+                 d = closest_points(x, features).distance();
     ASSERT_GE(share, 0);
     ASSERT_LE(share, 1);
     stopped += share < 1;
     for (int i = 1; i <= 200; ++i) {
       Corners at;
       for (int j = 0; j < 4; ++j) at[j] = x[j] + share * i / 200 * move[j];
-      ASSERT_GT(distance(at, edges), 0.19 * d) << k;
+      ASSERT_GT(closest_points(at, features).distance(), 0.19 * d) << k;
     }
   }
   EXPECT_GT(stopped, 500);
@@ -103,7 +53,7 @@ TEST(BarrierTest, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
 TEST(BarrierTest, AVertexThatFliesStraightAtATriangleGoesFourFifthsOfTheGap) {
   const Corners x{Vector3d(0, 0, 1), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
   const Corners move{Vector3d(0, 0, -100), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
-  EXPECT_NEAR(100 * collision_free_step(x, move, false), 0.8, 0.01);
+  EXPECT_NEAR(100 * collision_free_step(x, move, Features::vertex_and_triangle), 0.8, 0.01);
 }
 
 TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
@@ -111,183 +61,10 @@ TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
                   Vector3d(0, 1, 0)};
   Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
   // steps of what is left of the gap would need millions
-  EXPECT_EQ(collision_free_step(x, move, false), 1);
+  EXPECT_EQ(collision_free_step(x, move, Features::vertex_and_triangle), 1);
   move[0].z() = -2e-7;
   // a twentieth of a tight gap may be used
-  EXPECT_NEAR(collision_free_step(x, move, false), 0.5 * (1 - 0.95), 1e-3);
-}
-
-TEST(BarrierTest, GradientMatchesTheEnergyWithManyActivePairs) {
-  const Sheet sheet = two_layers(0.4 * dhat_of_layers());
-  Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
-  ASSERT_GT(contact.active(sheet.x), 200);
-  Points3 gradient = still(sheet);
-  contact.differentiate(sheet.x, gradient, nullptr);
-  ASSERT_GT(gradient.norm(), 1e-2);
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  for (int k = 0; k < 10; ++k) {
-    Points3 way = still(sheet);
-    for (int i = 0; i < way.size(); ++i) way.data()[i] = normal(random);
-    const double step = 1e-9;
-    const double slope =
-        (energy_at(contact, sheet.x + step * way) - energy_at(contact, sheet.x - step * way)) /
-        (2 * step);
-    EXPECT_NEAR(slope, gradient.cwiseProduct(way).sum(), 1e-5 * gradient.norm());
-  }
-}
-
-TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
-  // vertices over the inside of one large triangle, moving up and down: the normal does not turn
-  Sheet low = test::flat_sheet((Points2(3, 2) << 0, 0, 1, 0, 0, 1).finished(),
-                               (Triangles(1, 3) << 0, 1, 2).finished());
-  Sheet high = test::hex_sheet(0.1, 0.1, 4, 0.2, 2);
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  const Sheet apart = join(low, high);
-  const double dhat = Contact(apart.pattern, apart.triangles).dhat();
-  high.x.rowwise() += Eigen::RowVector3d(0.2, 0.2, 0.5 * dhat);
-  for (int v = 0; v < high.x.rows(); ++v) high.x(v, 2) += 0.05 * dhat * normal(random);
-  const Sheet sheet = join(low, high);
-  const int n = static_cast<int>(sheet.x.rows());
-  std::vector<int> block(n);
-  std::vector<std::pair<int, int>> all;
-  for (int i = 0; i < n; ++i)
-    for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
-  BlockCholesky matrix(n, all);
-  Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
-  contact.bind(matrix, block);
-  ASSERT_GT(contact.active(sheet.x), 15);
-  Points3 gradient = still(sheet), before = still(sheet), after = still(sheet), way = still(sheet);
-  contact.differentiate(sheet.x, gradient, &matrix);
-  const Eigen::MatrixXd second = matrix.dense();
-  for (int v = 0; v < n; ++v) way(v, 2) = normal(random);
-  const double step = 1e-8;
-  contact.differentiate(sheet.x - step * way, before, nullptr);
-  contact.differentiate(sheet.x + step * way, after, nullptr);
-  const Points3 change = (after - before) / (2 * step);
-  const Eigen::VectorXd told = second * Eigen::Map<const Eigen::VectorXd>(way.data(), way.size());
-  ASSERT_GT(told.norm(), 1);
-  double error = 0;  // of the forces along z: those across turn with the normal
-  for (int v = 0; v < n; ++v) error = std::max(error, std::abs(change(v, 2) - told[3 * v + 2]));
-  EXPECT_LT(error, 1e-5 * told.norm());
-
-  const Sheet layers = two_layers(0.4 * dhat_of_layers());
-  const int m = static_cast<int>(layers.x.rows());
-  all.clear();
-  block.resize(m);
-  for (int i = 0; i < m; ++i)
-    for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
-  BlockCholesky larger(m, all);
-  Contact many(layers.pattern, layers.triangles);
-  many.begin(layers.x, {});
-  many.bind(larger, block);
-  Points3 unused = still(layers);
-  many.differentiate(layers.x, unused, &larger);
-  const Eigen::VectorXd eigenvalues = larger.dense().selfadjointView<Eigen::Lower>().eigenvalues();
-  EXPECT_GT(eigenvalues.maxCoeff(), 1);
-  EXPECT_GT(eigenvalues.minCoeff(), -1e-9 * eigenvalues.maxCoeff());
-}
-
-TEST(BarrierTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
-  const double dhat = dhat_of_layers();
-  const Sheet sheet = two_layers(3 * dhat);
-  Points3 move = still(sheet);
-  std::mt19937 random(9);
-  std::normal_distribution<double> normal;
-  for (int v = 0; v < move.rows(); ++v)
-    move.row(v) << 1.5 * dhat * normal(random), 1.5 * dhat * normal(random),
-        1.5 * dhat * normal(random);
-  Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
-  contact.update_candidates(sheet.x, move);
-  std::set<std::pair<std::set<int>, bool>> listed;
-  for (const ContactPair& p : contact.pairs())
-    listed.insert({{p.vertices.begin(), p.vertices.end()}, p.edges});
-  int within = 0;
-  for (const double share : {0.0, 0.3, 0.7, 1.0}) {
-    const Points3 x = sheet.x + share * move;
-    for (int v = 0; v < x.rows(); ++v)
-      for (int t = 0; t < sheet.triangles.rows(); ++t) {
-        const Eigen::RowVector3i c = sheet.triangles.row(t);
-        if ((c.array() == v).any()) continue;
-        const auto at = [&](const auto& points, int k) {
-          return Vector3d(points(k, 0), points(k, 1),
-                          points.cols() > 2 ? points(k, points.cols() - 1) : 0.0);
-        };
-        const double d = distance({at(x, v), at(x, c[0]), at(x, c[1]), at(x, c[2])}, false);
-        const auto flat = [&](int k) {
-          return Vector3d(sheet.pattern(k, 0), sheet.pattern(k, 1), 0);
-        };
-        if (d >= std::min(contact.dhat(),
-                          0.3 * distance({flat(v), flat(c[0]), flat(c[1]), flat(c[2])}, false)))
-          continue;
-        ++within;
-        EXPECT_TRUE(listed.count({{v, c[0], c[1], c[2]}, false})) << v << " " << t;
-      }
-  }
-  EXPECT_GT(within, 20);
-}
-
-TEST(BarrierTest, AFlatOrGentlyRolledSheetIsCollisionFreeAndHasNoActivePair) {
-  Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
-  const Points3 flat = sheet.x;
-  test::roll(sheet, 0.2);  // 1 rad: with more, the straight motion would fold it
-  Contact contact(sheet.pattern, sheet.triangles);
-  EXPECT_TRUE(contact.is_collision_free(flat, flat, {}));
-  EXPECT_TRUE(contact.is_collision_free(flat, sheet.x, {}));
-  contact.begin(sheet.x, {});
-  EXPECT_EQ(contact.active(sheet.x), 0);
-}
-
-TEST(BarrierTest, ALayerThatJumpsThroughAnotherOrEndsCloseToItIsNotCollisionFree) {
-  const Sheet sheet = two_layers(0.02);
-  Contact contact(sheet.pattern, sheet.triangles);
-  const auto lowered = [&](double by) {
-    Points3 x = sheet.x;
-    for (int v = 0; v < x.rows(); ++v)
-      if (sheet.pattern(v, 0) > 0.5) x(v, 2) -= by;
-    return x;
-  };
-  EXPECT_TRUE(contact.is_collision_free(sheet.x, lowered(0.005), {}));
-  EXPECT_FALSE(contact.is_collision_free(sheet.x, lowered(0.0195), {}));
-  EXPECT_FALSE(contact.is_collision_free(sheet.x, lowered(0.04), {}));
-}
-
-TEST(BarrierTest, PairsThatHandlesBringTogetherAreExcluded) {
-  Sheet sheet = test::strip_sheet(0.3, 0.03, 20);
-  // a ring whose ends meet and are held there
-  for (int v = 0; v < sheet.x.rows(); ++v) {
-    const double a = 2 * M_PI * sheet.pattern(v, 0) / 0.3;
-    sheet.x.row(v) << 0.3 / (2 * M_PI) * std::sin(a), sheet.pattern(v, 1),
-        0.3 / (2 * M_PI) * (1 - std::cos(a));
-  }
-  sheet.x.bottomRows<2>().rowwise() += Eigen::RowVector3d(0, 0, 1e-4);
-  const PositionConstraints ends{
-      {0, sheet.x.row(0)}, {1, sheet.x.row(1)}, {40, sheet.x.row(0)}, {41, sheet.x.row(1)}};
-  Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
-  EXPECT_GT(contact.active(sheet.x), 0);
-  contact.begin(sheet.x, ends);
-  EXPECT_EQ(contact.active(sheet.x), 0);
-}
-
-TEST(BarrierTest, TheEnergyIsFiniteForASheetThatBeginsTouchingOrCrossingItself) {
-  for (const double shift : {0.0, 0.01}) {
-    Sheet sheet = two_layers(1e-3);
-    for (int v = 0; v < sheet.x.rows(); ++v) {
-      const bool high = sheet.pattern(v, 0) > 0.5;
-      // in one plane, or through each other
-      sheet.x(v, 2) = high ? shift * (sheet.pattern(v, 0) - 1.05) : 0;
-    }
-    Contact contact(sheet.pattern, sheet.triangles);
-    contact.begin(sheet.x, {});
-    Points3 gradient = still(sheet);
-    EXPECT_TRUE(std::isfinite(contact.differentiate(sheet.x, gradient, nullptr)));
-    EXPECT_TRUE(gradient.allFinite());
-  }
+  EXPECT_NEAR(collision_free_step(x, move, Features::vertex_and_triangle), 0.5 * (1 - 0.95), 1e-3);
 }
 
 }  // namespace

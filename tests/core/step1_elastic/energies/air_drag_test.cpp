@@ -1,4 +1,5 @@
 #include "core/step1_elastic/energies/air_drag.h"
+#include "core/model/segment2.h"
 
 #include "core/step1_elastic/elastic.h"
 #include "tests/core/test_meshes.h"
@@ -91,13 +92,13 @@ TEST(AirDragTest, StillAirNeverDoesWorkOnASheet) {
 }
 
 /// Energy of a sheet that moves without weight. [J]
-double energy_of(const Elastic& elastic, const Paper& paper, const Sheet& sheet) {
+double energy_of(Elastic& elastic, const Paper& paper, const Sheet& sheet) {
   double kinetic = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
                    b = sheet.pattern.row(sheet.triangles(t, 1)),
                    c = sheet.pattern.row(sheet.triangles(t, 2));
-    const double area = 0.5 * std::abs((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+    const double area = 0.5 * std::abs(cross(b - a, c - a));
     for (int i = 0; i < 3; ++i)
       kinetic += paper.area_density * area / 6 * sheet.v.row(sheet.triangles(t, i)).squaredNorm();
   }

@@ -1,4 +1,5 @@
 #include "core/step1_elastic/energies/apex_stiffness.h"
+#include "core/model/segment2.h"
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/step1_elastic/elastic.h"
@@ -137,7 +138,7 @@ TEST(ApexStiffnessTest, FactorIsHalfTheMeanLogarithmOverTheAngle) {
     double size = 1e9;  // from the apex to the border
     for (int j = 0; j < 3; ++j) {
       const Vector2d c = p.row(t(j, 1)), d = p.row(t(j, 2));
-      size = std::min(size, std::abs(c.x() * d.y() - c.y() * d.x()) / (d - c).norm());
+      size = std::min(size, std::abs(cross(c, d)) / (d - c).norm());
     }
     const double from = std::atan2(a.y(), a.x()),
                  turn = std::acos(a.dot(b) / (a.norm() * b.norm()));
@@ -146,9 +147,7 @@ TEST(ApexStiffnessTest, FactorIsHalfTheMeanLogarithmOverTheAngle) {
     for (int i = 0; i < n; ++i) {
       const Vector2d u(std::cos(from + (i + 0.5) * turn / n),
                        std::sin(from + (i + 0.5) * turn / n));
-      mean += std::log((a.x() * along.y() - a.y() * along.x()) /
-                       (u.x() * along.y() - u.y() * along.x())) /
-              n;
+      mean += std::log(cross(a, along) / cross(u, along)) / n;
     }
     // the tolerance is the error of Simpson's rule
     EXPECT_NEAR(factors[k], 0.5 * (mean - std::log(core_radius(paper, size))), 0.02) << k;

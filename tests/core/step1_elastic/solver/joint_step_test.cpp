@@ -62,23 +62,17 @@ struct TwoLayers {
 
   IncrementalPotential potential(Contact* felt) {
     const int n = static_cast<int>(low.x.rows());
-    return {{{*of_low,
-              mass_low,
-              xhat.topRows(n),
-              5e4,
-              ExternalForces{9.81},
-              {{3, {0, 0, 0.01}, 20}},
-              nullptr,
-              blocks_low},
-             {*of_high,
-              mass_high,
-              xhat.bottomRows(high.x.rows()),
-              2e4,
-              ExternalForces{9.81},
-              {{1, {0, 0.01, 0}}},
-              nullptr,
-              blocks_high}},
-            felt};
+    SheetPotential of_first{*of_low, mass_low, blocks_low};
+    of_first.xhat = xhat.topRows(n);
+    of_first.inertia = 5e4;
+    of_first.forces = {9.81};
+    of_first.springs = {{3, {0, 0, 0.01}, 20}};
+    SheetPotential of_second{*of_high, mass_high, blocks_high};
+    of_second.xhat = xhat.bottomRows(high.x.rows());
+    of_second.inertia = 2e4;
+    of_second.forces = {9.81};
+    of_second.springs = {{1, {0, 0.01, 0}}};
+    return {{of_first, of_second}, felt};
   }
 };
 

@@ -1,4 +1,5 @@
 #include "core/step1_elastic/solver/predictor.h"
+#include "core/model/segment2.h"
 
 #include "tests/core/test_meshes.h"
 
@@ -104,7 +105,7 @@ double min_area_kept(const Sheet& sheet, const Points3& x) {
     const auto area = [&](const auto& at) {
       const Vector2d a = at.row(sheet.triangles(t, 0)), b = at.row(sheet.triangles(t, 1)),
                      c = at.row(sheet.triangles(t, 2));
-      return 0.5 * ((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
+      return 0.5 * cross(b - a, c - a);
     };
     least = std::min(least, area(x.leftCols<2>()) / area(sheet.pattern));
   }
