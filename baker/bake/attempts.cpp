@@ -20,13 +20,17 @@ namespace {
 
 constexpr double hopeless_pct = 10;  // of the longer side: what is off by more never ends well
 constexpr unsigned seed_step = 1000;
-constexpr int finer = 4;  // times as many triangles
 
 /// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
 constexpr double tolerance = 1e-3 * Gates{}.handle_err_mm;
 
-/// Every second attempt has a finer first mesh.
-bool is_finer(std::size_t attempt) { return attempt % 2 == 1; }
+/// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
+/// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
+/// not at all.
+int refinement(std::size_t attempt) {
+  if (attempt == 0) return 1;
+  return attempt % 2 == 1 ? 2 : 4;
+}
 
 /// By how much the paper between a handle and another one is too short: a handle may be off by so
 /// much whatever the attempt. [m]
@@ -152,8 +156,7 @@ Attempt Attempts::describe_attempt(std::size_t number) const {
                             settings_.given.count("base_triangles") == 0;
   Attempt attempt;
   attempt.seed_offset = seed_step * static_cast<unsigned>(number);
-  attempt.base_triangles =
-      settings_.base_triangles * (may_be_finer && is_finer(number) ? finer : 1);
+  attempt.base_triangles = settings_.base_triangles * (may_be_finer ? refinement(number) : 1);
   return attempt;
 }
 

@@ -21,8 +21,8 @@ namespace paperbake {
 /// way then does so to a collider, however the paper buckles.
 ///
 /// The attempts are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
-/// fourth and so on have a first mesh of four times as many triangles, unless a number of triangles
-/// was asked for.
+/// fourth and so on have a first mesh of twice as many triangles, the third, the fifth and so on of
+/// four times as many, unless a number of triangles was asked for.
 ///
 /// source  this project
 class Attempts {

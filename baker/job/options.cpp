@@ -210,8 +210,8 @@ std::vector<Option> meshes_and_physics() {
       with_default(
           {"attempts", K::whole, 1, 16}, "4",
           "How many attempts there are at most when a handle of the first one is off by more "
-          "than 1 mm: other seeds, every second one on a first mesh of 4 times as many "
-          "triangles. The best is baked (method hybrid)",
+          "than 1 mm: other seeds, on first meshes of 2 and 4 times as many triangles in turn. "
+          "The best is baked (method hybrid)",
           to_whole(&BakeSettings::attempts)),
       without_default(
           {"frames", K::text}, "1-96",

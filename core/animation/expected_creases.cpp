@@ -1,6 +1,7 @@
 #include "core/animation/expected_creases.h"
 
 #include "core/animation/fold_axis.h"
+#include "core/animation/folded_through.h"
 #include "core/animation/gussets.h"
 #include "core/model/segment2.h"
 
@@ -204,15 +205,19 @@ bool is_beyond(const ExpectedCrease& crease, const ExpectedCrease& nearer, const
 /// Folds that meet there have axes from the keys of several hands, which hardly agree to the tenth
 /// of a millimetre; paper cannot fold along lines that miss each other by so little, and the mesh
 /// between them would have slivers.
-void join_ends(std::vector<ExpectedCrease>& creases, const Pattern& pattern) {
+/// fixed  the ends of so many creases, the first ones, stay where they are
+void join_ends(std::vector<ExpectedCrease>& creases, std::size_t fixed, const Pattern& pattern) {
   const double near = on_line * longer_side(pattern);
+  std::vector<Vector2d> known = pattern.outline;
   std::vector<Vector2d*> open;
-  for (ExpectedCrease& crease : creases)
-    for (Vector2d* end : {&crease.line.a, &crease.line.b}) {
-      const auto corner = std::find_if(pattern.outline.begin(), pattern.outline.end(),
-                                       [&](const Vector2d& p) { return (p - *end).norm() < near; });
-      if (corner != pattern.outline.end())
-        *end = *corner;
+  for (std::size_t k = 0; k < creases.size(); ++k)
+    for (Vector2d* end : {&creases[k].line.a, &creases[k].line.b}) {
+      const auto there = std::find_if(known.begin(), known.end(),
+                                      [&](const Vector2d& p) { return (p - *end).norm() < near; });
+      if (k < fixed)
+        known.push_back(*end);
+      else if (there != known.end())
+        *end = *there;
       else
         open.push_back(end);
     }
@@ -300,10 +305,15 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
                                       });
                                 }),
                  expected.end());
-  join_ends(expected, shot.pattern);
-  for (ExpectedCrease& gusset : gussets(shot, clamps, expected))
-    if (!is_known(gusset.line)) expected.push_back(std::move(gusset));
-  join_ends(expected, shot.pattern);
+  join_ends(expected, 0, shot.pattern);
+  const auto add = [&](std::vector<ExpectedCrease> more) {
+    const std::size_t before = expected.size();
+    for (ExpectedCrease& crease : more)
+      if (!is_known(crease.line)) expected.push_back(std::move(crease));
+    join_ends(expected, before, shot.pattern);
+  };
+  add(lead_through_layers(expected, shot.pattern));
+  add(gussets(shot, clamps, expected));
   for (ExpectedCrease& crease : expected) look_for_drawn(crease, shot.pattern);
   return expected;
 }

@@ -12,24 +12,14 @@ namespace {
 
 constexpr double first_turn = 3 * M_PI / 180;  // from which on a crease is folded
 
-double turn_at(const FoldingHands& hands, int row) {
-  return hands.turn[std::min<std::size_t>(row, hands.turn.size() - 1)];
-}
-
-/// The row in which the hands began the turn that they have in this one.
-int begin_of_turn(const FoldingHands& hands, int row) {
-  while (row > 0 && !(std::abs(turn_at(hands, row)) <= first_turn)) --row;
-  return row;
-}
-
 /// 1, or -1 where the paper at p lay upside down for the hands when they began, beyond folds that
 /// were shut. A fold across it that is shut later carries the crease along and does not change it.
 double facing(const std::vector<FoldingHands>& all, const FoldingHands& hands, const Vector2d& p,
               int row) {
-  const int begin = begin_of_turn(hands, row);
+  const int begin = begin_of_turn(hands.turn, row);
   double sign = 1;
   for (const FoldingHands& others : all)
-    if (&others != &hands && !others.beyond && std::cos(turn_at(others, begin)) < 0 &&
+    if (&others != &hands && !others.beyond && std::cos(turn_at(others.turn, begin)) < 0 &&
         separates(others.line, hands.between, p))
       sign = -sign;
   return sign;
@@ -37,8 +27,8 @@ double facing(const std::vector<FoldingHands>& all, const FoldingHands& hands, c
 
 /// The turn in a row, or the last one before it that is known.
 double last_turn(const FoldingHands& hands, int row) {
-  while (row > 0 && std::isnan(turn_at(hands, row))) --row;
-  return turn_at(hands, row);
+  while (row > 0 && std::isnan(turn_at(hands.turn, row))) --row;
+  return turn_at(hands.turn, row);
 }
 
 /// The hands of other lines that bar the way of a line: it cannot go straight on beyond them, and
@@ -53,7 +43,8 @@ std::vector<const FoldingHands*> barring(const std::vector<FoldingHands>& all,
     });
     if (others.beyond || !has_gusset) continue;
     const double turn = last_turn(others, row);
-    if (!std::isnan(turn) && !goes_straight_on(turn_at(hands, row), turn)) found.push_back(&others);
+    if (!std::isnan(turn) && !goes_straight_on(turn_at(hands.turn, row), turn))
+      found.push_back(&others);
   }
   return found;
 }
@@ -66,7 +57,7 @@ void press(CreaseEdge& edge, const std::vector<FoldingHands>& all, const Folding
   const auto is_beyond = [&](const FoldingHands& others) {
     return separates(others.line, hands.between, middle);
   };
-  double turn = turn_at(hands, row);
+  double turn = turn_at(hands.turn, row);
   if (hands.beyond) {
     if (is_beyond(all[hands.beyond->others])) return;
     edge.folded = true;
@@ -82,6 +73,15 @@ void press(CreaseEdge& edge, const std::vector<FoldingHands>& all, const Folding
 
 }  // namespace
 
+double turn_at(const std::vector<double>& turn, int row) {
+  return turn[std::min<std::size_t>(row, turn.size() - 1)];
+}
+
+int begin_of_turn(const std::vector<double>& turn, int row) {
+  while (row > 0 && !(std::abs(turn_at(turn, row)) <= first_turn)) --row;
+  return row;
+}
+
 void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row) {
   if (hands.empty() || row < 0) return;
   const Hinges hinges = find_hinges(sheet.triangles);
@@ -95,7 +95,7 @@ void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row
     edges.back().pressed.reset();
   }
   for (const FoldingHands& two : hands) {
-    if (std::isnan(turn_at(two, row))) continue;
+    if (std::isnan(turn_at(two.turn, row))) continue;
     const std::vector<const FoldingHands*> bars = barring(hands, two, row);
     for (CreaseEdge& edge : edges)
       if (std::any_of(two.parts.begin(), two.parts.end(), [&](const Segment2& part) {

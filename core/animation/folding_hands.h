@@ -14,4 +14,9 @@ namespace paperbake {
 /// row  frame - first frame of the scene
 void fold_by_hands(Sheet&, const std::vector<FoldingHands>&, int row);
 
+/// The element of FoldingHands::turn that holds in a row: the last one after the end.
+double turn_at(const std::vector<double>& turn, int row);
+/// The row in which hands began the turn that they have in this one.
+int begin_of_turn(const std::vector<double>& turn, int row);
+
 }  // namespace paperbake

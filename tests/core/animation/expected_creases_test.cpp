@@ -480,6 +480,74 @@ TEST(ExpectedCreasesTest, FoldsThatEndBesideEachOtherEndAtOnePoint) {
   }
 }
 
+/// A sheet that is folded in half and has a corner turned down after that, both layers of it, by a
+/// line that meets the first fold at this angle.
+std::vector<Plate> doubled_corner(double angle, bool holds_both) {
+  const Vector2d middle(0.074, 0.105), down(-std::cos(angle), -std::sin(angle));
+  const auto half = [=](double s) {
+    return turned(std::min(1.0, 2 * s) * 177.8 * degrees, {0, middle.y()}, {1, 0});
+  };
+  const auto corner = [=](double s) {
+    return turned(-std::max(0.0, 2 * s - 1) * 165 * degrees, middle, down);
+  };
+  std::vector<Plate> plates{{{{0.03, 0.01}, {0.118, 0.01}, {0.09, 0.06}}, still},
+                            {{{0.03, 0.2}, {0.118, 0.2}, {0.09, 0.15}}, half},
+                            {{{0.004, 0.099}, {0.004, 0.09}, {0.045, 0.099}}, corner}};
+  if (holds_both)
+    plates.push_back({{{0.004, 0.111}, {0.004, 0.12}, {0.045, 0.111}},
+                      [=](double s) { return corner(s) * half(s); }});
+  return plates;
+}
+
+TEST(ExpectedCreasesTest, ACornerOfADoubledSheetIsTurnedDownAlongALineAndItsMirrorImage) {
+  const Pattern sheet = test::rectangle(0.148, 0.210);
+  const Vector2d middle(0.074, 0.105);
+  for (const double angle : {45 * degrees, 30 * degrees})
+    for (const bool holds_both : {false, true}) {
+      const std::vector<ExpectedCrease> lines =
+          lines_of(held(sheet, doubled_corner(angle, holds_both)));
+      EXPECT_EQ(lines.size(), 3U) << holds_both;
+      const double reach = 0.074 * std::tan(angle), near = 1e-3;  // [m] the fold is not quite shut
+      const ExpectedCrease *lower = line_between(lines, middle, {0, 0.105 - reach}, near),
+                           *upper = line_between(lines, middle, {0, 0.105 + reach}, near);
+      EXPECT_TRUE(line_between(lines, {0, 0.105}, {0.148, 0.105}, 1e-6)) << holds_both;
+      ASSERT_TRUE(lower && upper) << holds_both;
+      EXPECT_NEAR(std::abs(largest_turn(*lower)), std::abs(largest_turn(*upper)), 1e-3);
+    }
+}
+
+TEST(ExpectedCreasesTest, ALineAcrossAShutFoldAtARightAngleGoesStraightOn) {
+  const double x = 0.05;  // [m]
+  std::vector<Plate> plates = doubled_corner(45 * degrees, false);
+  plates.pop_back();
+  const auto turn = [=](double s) {
+    return turned(std::max(0.0, 2 * s - 1) * 165 * degrees, {x, 0}, {0, -1});
+  };
+  for (Plate& plate : plates)
+    for (Vector2d& p : plate.points) p.x() = 0.1 + 0.3 * p.x();
+  plates.push_back({{{0.01, 0.02}, {0.03, 0.02}, {0.02, 0.09}}, turn});
+  const std::vector<ExpectedCrease> lines = lines_of(held(test::rectangle(0.148, 0.210), plates));
+  EXPECT_EQ(lines.size(), 2U);
+  EXPECT_TRUE(line_between(lines, {x, 0}, {x, 0.210}, 1e-6));
+}
+
+TEST(ExpectedCreasesTest, HandsTurnDownACornerOfADoubledSheet) {
+  // where the line went straight on, handles were 90 mm behind
+  Shot shot = held(test::rectangle(0.148, 0.210), doubled_corner(45 * degrees, true));
+  add_expected_creases(shot, lines_of(shot));
+  AnimateOptions options;
+  options.last_frame = frames;
+  double off = 0, stretch = 0;
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            for (const HandleFrame& h : frame.handles) off = std::max(off, h.error());
+            stretch = std::max(stretch, length_distortion(*frame.sheet).largest);
+            return true;
+          });
+  EXPECT_LT(off, 1e-3);
+  EXPECT_LT(stretch, 0.01);
+}
+
 TEST(ExpectedCreasesTest, ATurnOfLessThanSixtyDegreesIsNoFold) {
   EXPECT_TRUE(lines_of(held(page, corner(59 * degrees))).empty());
   EXPECT_EQ(lines_of(held(page, corner(61 * degrees))).size(), 1u);
