@@ -1,6 +1,7 @@
 #include "core/animation/rehearsal.h"
 
 #include "core/animation/sheet_simulation.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 
 #include <string>
@@ -13,7 +14,6 @@ constexpr int most_frames = 64;
 // Frames one after the other that must be locked: a flat sheet that leaves the ground stretches a
 // little in its first frame, when it has hardly any energy yet.
 constexpr int locked_for_certain = 2;
-constexpr int doublings = 2;  // edges half as long
 
 bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
   const int end = options.first_frame + most_frames - 1;
@@ -42,7 +42,7 @@ Rehearsal rehearse(const Shot& shot, const MethodChoice& method, const AnimateOp
   if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty()) return found;
   SheetSimulation sheet(shot, method, options, {0, found});
   try {
-    if (is_held_back(sheet, options)) found.doublings = doublings;
+    if (is_held_back(sheet, options)) found.doublings = doublings_to_bend;
   } catch (const Error& error) {
     // the shot itself says so, in the frame where it happens
     if (error.code == ErrorCode::stopped) throw;

@@ -33,8 +33,8 @@ class SheetSimulation {
 
   /// Whether the sheet would behave in another way on a finer first mesh, and there is one.
   bool may_start_finer() const;
-  /// Whether the smooth sheet stores as much by stretching as only a crumpled one does: its mesh is
-  /// too coarse for its bends.
+  /// Whether the smooth sheet stores as much by stretching as only a crumpled one does, or twice as
+  /// much already where its bends begin: its mesh is too coarse for them.
   bool stretches_instead_of_bending() const;
   /// Relative motion of the handles in the present frame. [1] of the longer side
   double relative_motion() const { return now_.relative_motion; }
@@ -196,10 +196,12 @@ class SheetSimulation {
   bool refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible);
   /// Leaves a jammed sheet behind where the colliders were when it last followed them.
   void hold_if_jammed();
-  /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.
+  /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other, or
+  /// that it stretches instead of bending.
   bool is_held_back_by_mesh() const;
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
-  bool refine_mesh(SimulatedSheet::Snapshot&& start);
+  /// doublings  of the number of triangles, at most
+  bool refine_mesh(SimulatedSheet::Snapshot&& start, int doublings);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();

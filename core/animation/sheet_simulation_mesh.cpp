@@ -104,8 +104,9 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
   carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
 }
 
-bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start) {
-  std::optional<PatternMesh> finer = method_->finer_mesh();
+bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doublings) {
+  std::optional<PatternMesh> finer;
+  while (doublings-- > 0 && method_->has_finer_mesh()) finer = method_->finer_mesh();
   if (!finer) return false;
   restore(std::move(start));
   simulated_.put_on(std::move(*finer));
@@ -117,7 +118,8 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start) {
 
 bool SheetSimulation::is_held_back_by_mesh() const {
   return now_.step.failure_reason.empty() && now_.step.last.on_colliders > 0 &&
-         simulated_.is_smooth() && mean_square_fold(sheet()) > fold_that_hooks;
+         simulated_.is_smooth() &&
+         (mean_square_fold(sheet()) > fold_that_hooks || stretches_instead_of_bending());
 }
 
 bool SheetSimulation::may_refine() const {
@@ -130,9 +132,10 @@ bool SheetSimulation::may_start_finer() const {
 }
 
 bool SheetSimulation::stretches_instead_of_bending() const {
-  return now_.step.failure_reason.empty() && simulated_.is_smooth() &&
-         now_.step.last.stretches_instead_of_bending() &&
-         mean_square_fold(sheet()) > fold_that_hooks;
+  if (!now_.step.failure_reason.empty() || !simulated_.is_smooth()) return false;
+  const double share = now_.step.last.membrane_share(), fold = mean_square_fold(sheet());
+  return (share > ridge_share && fold > fold_that_hooks) ||
+         (share > 2 * ridge_share && fold > fold_that_shows);
 }
 
 bool SheetSimulation::refine_where_jammed(const AdmissibilityCheck& is_admissible) {
@@ -149,7 +152,7 @@ bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_adm
   const ColliderShapes now =
       between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
   const double depth = simulated_.elastic.inside(sheet(), now);
-  if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
+  if (!refine_mesh(SimulatedSheet::Snapshot(kept), 1)) return false;
   now_.step = jammed;
   if (crossings(sheet()) == 0 && is_admissible(kept.sheet, sheet(), 0) &&
       simulated_.elastic.inside(sheet(), now) <= std::max(depth, give_way_depth))

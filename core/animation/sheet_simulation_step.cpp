@@ -2,6 +2,7 @@
 // where the step began, and where it is held when it cannot follow. The order is in island_step.h.
 
 #include "core/animation/island_step.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -112,7 +113,9 @@ void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_
     std::optional<SimulatedSheet::Snapshot> start;
     if (refines) start = simulated_.snapshot();
     IslandStep({this}, {{}, InitialGap::apart, of_this, trace}).take();
-    if (!refines || !is_held_back_by_mesh() || !refine_mesh(std::move(*start))) break;
+    if (!refines || !is_held_back_by_mesh() ||
+        !refine_mesh(std::move(*start), stretches_instead_of_bending() ? doublings_to_bend : 1))
+      break;
   }
   end_step();
 }

@@ -80,7 +80,7 @@ struct ElasticReport {
   int on_colliders = 0;  // vertices, edges and triangles that colliders push at the end of the step
   double inside = 0;     // [m] depth of the deepest point inside a collider
 
-  bool stretches_instead_of_bending() const { return membrane > ridge_share * energy; }
+  double membrane_share() const { return energy > 0 ? membrane / energy : 0; }  // [1]
   /// Active contacts, or handles that give way to what the sheet touches. They hold again as soon
   /// as nothing is in their way.
   bool has_contact() const {
