@@ -234,6 +234,10 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
         fmt::format("The handle \"{}\" holds all of the sheet \"{}\" stiff: its paper_radius is "
                     "{:.3g} m, and the sheet is {:.3g} m across. It is in metres: is that meant?",
                     handle.name, sheet.name, *handle.radius, diagonal));
+  if (handle.release_frame <= scene.first_frame && handle.grab_frame < handle.release_frame)
+    warnings.push_back(fmt::format(
+        "The handle \"{}\" never holds: it is released at frame {}, and the scene begins at {}.",
+        handle.name, handle.release_frame, scene.first_frame));
   if (handle.release_frame <= handle.grab_frame)
     warnings.push_back(
         fmt::format("The handle \"{}\" never holds: it is released at frame {} and grabbed at {}.",

@@ -46,6 +46,17 @@ TEST(SceneProperties, PropertiesAreReadWhateverTheirType) {
   EXPECT_FALSE(has_warning(scene, "--fps"));
 }
 
+TEST(SceneProperties, AHandleThatNeverHoldsIsToldWithItsFrames) {
+  const auto with = [](const char* extras) {
+    return read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("never.gltf"));
+  };
+  EXPECT_TRUE(has_warning(with(R"({"paper_grab_frame":5,"paper_release_frame":3})"),
+                          "never holds: it is released at frame 3 and grabbed at 5"));
+  EXPECT_TRUE(has_warning(with(R"({"paper_release_frame":1})"),
+                          "never holds: it is released at frame 1, and the scene begins at 1"));
+  EXPECT_FALSE(has_warning(with(R"({"paper_release_frame":2})"), "never holds"));
+}
+
 TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
   const auto sheet_with = [](const char* extras) {
     return HeldSheet(grid(2, 2, 0.2, 0.2), extras).write("bad.gltf");
