@@ -47,6 +47,7 @@ bool is_shut_before(const ExpectedCrease& fold, const ExpectedCrease& hands) {
   return std::cos(turn_at(fold.turn, begin)) < 0;
 }
 
+/// Paper that lies double, as lines of hands find it.
 class Layers {
  public:
   Layers(const std::vector<ExpectedCrease>& folds, const Pattern& pattern)
@@ -122,7 +123,9 @@ std::vector<ExpectedCrease> lead_through_layers(std::vector<ExpectedCrease>& cre
     // from where the hands are, both ways
     const auto lead = [&](Vector2d& end, const Vector2d& towards) {
       const std::vector<Segment2> parts = layers.follow(folds[k], middle, towards);
-      if (parts.size() < 2) return;
+      const bool ends_sooner =
+          parts.size() > 1 && (parts.front().b - middle).norm() < (end - middle).norm();
+      if (!ends_sooner) return;
       end = parts.front().b;
       for (std::size_t i = 1; i < parts.size(); ++i) {
         mirrored.push_back(folds[k]);
