@@ -15,14 +15,10 @@ namespace {
 constexpr int most_layers = 16;   // through which a line is followed
 constexpr double at_once = 1e-9;  // [m] what is met nearer is where the way begins
 
-/// How far from p in a direction a segment is met; nothing: it is not. [m]
+/// How far ahead of p in a direction a segment is met; nothing: it is not. [m]
 std::optional<double> met_at(const Vector2d& p, const Vector2d& direction, const Segment2& s) {
-  const Vector2d along = s.b - s.a;
-  const double slope = cross(direction, along);
-  if (std::abs(slope) < 1e-12 * along.norm()) return std::nullopt;
-  const double ahead = cross(s.a - p, along) / slope, share = cross(s.a - p, direction) / slope;
-  if (ahead < at_once || share < 0 || share > 1) return std::nullopt;
-  return ahead;
+  const std::optional<double> ahead = meeting({p, p + direction}, s);
+  return ahead && *ahead > at_once ? ahead : std::nullopt;
 }
 
 /// How far from p in a direction the paper ends. [m]

@@ -20,8 +20,7 @@ constexpr double least_turn = 60 * M_PI / 180;  // of a bisector that is worth a
 // up to which paper turns with the hands: where layers come to lie on each other, they need room
 constexpr double most_turn = 170 * M_PI / 180;
 constexpr double shortest = 0.01;  // [1] of the longer side
-constexpr double rounding = 1e-9;  // [1] of a line
-constexpr double parallel = 0.02;  // [1] sine of an angle
+constexpr double rounding = 1e-9;  // [rad]
 constexpr double nobody = std::numeric_limits<double>::quiet_NaN();
 
 /// The point where two lines cross, and the sector between their parts beyond it: on the other side
@@ -37,22 +36,10 @@ struct Crossing {
   }
 };
 
-/// The part of the way from a to b at which it meets the line p-q; none: it does not, or runs along
-/// it.
-std::optional<double> meeting(const Vector2d& a, const Vector2d& b, const Vector2d& p,
-                              const Vector2d& q) {
-  const Vector2d along = b - a, line = q - p;
-  const double turned = cross(along, line);
-  if (std::abs(turned) <= parallel * along.norm() * line.norm()) return std::nullopt;
-  const double at = cross(p - a, along) / turned;
-  if (std::abs(at - 0.5) > 0.5 + rounding) return std::nullopt;
-  return cross(p - a, line) / turned;
-}
-
 std::optional<Crossing> crossing_of(const ExpectedCrease& one, const ExpectedCrease& two) {
   const auto& [a, b] = one.line;
   const auto& [p, q] = two.line;
-  const std::optional<double> share = meeting(a, b, p, q);
+  const std::optional<double> share = meeting(one.line, two.line);
   if (!share || !(*share > 0) || !(*share < 1)) return std::nullopt;
   const Vector2d at = a + *share * (b - a);
   return Crossing{at,
@@ -82,7 +69,7 @@ Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& sh
   double length = std::numeric_limits<double>::infinity();
   std::vector<Vector2d> places;
   const auto meet = [&](const Vector2d& p, const Vector2d& q) {
-    const std::optional<double> at = meeting(from, from + direction, p, q);
+    const std::optional<double> at = meeting({from, from + direction}, {p, q});
     // what is nearer may be drawn along the lines that cross
     if (at && *at > shortest * side) length = std::min(length, *at);
   };

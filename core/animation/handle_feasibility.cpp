@@ -1,7 +1,5 @@
 #include "core/animation/handle_feasibility.h"
 
-#include "core/step1_elastic/elastic.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -32,7 +30,7 @@ std::vector<UnreachablePair> HandleFeasibility::impossible_pairs(const std::vect
             (keyed_position(a, frame - first_frame) - keyed_position(b, frame - first_frame))
                 .norm();
         const double over = apart - limit(i, j);
-        if (over <= rounding_of_handles) continue;
+        if (over <= unseen) continue;
         if (worst == 0) pair.first = frame;
         pair.last = frame;
         if (over > worst) {

@@ -34,10 +34,13 @@ class HandleFeasibility {
   /// 32-bit files.
   static constexpr double rounding = 1e-6;
 
+  /// [m] Handles that are too far apart by less than that are not told.
+  static constexpr double unseen = 1e-5;
+
   HandleFeasibility(const Pattern&, const std::vector<Handle>&);
 
   /// Pairs of absolute handles that are held at the same time and too far apart by more than the
-  /// tolerance and `rounding_of_handles`, which nobody sees, the worst first.
+  /// tolerance, the worst first.
   /// first_frame  frame of row 0 of Handle::keyed
   /// last_frame   the last frame that is checked
   std::vector<UnreachablePair> impossible_pairs(const std::vector<Handle>&, int first_frame,

@@ -28,12 +28,15 @@ double upward_area(const ColliderMesh& mesh) {
   return 0.5 * doubled;
 }
 
-/// On which side of an open mesh points are: 1 in front, -1 behind.
+/// On which side of an open mesh points are.
 struct Votes {
-  int over = 0;              // sum over those that are above or below it
-  int before = 0, back = 0;  // numbers of those beside it, where it would be if it went on there
+  int over = 0;  // of those above or below it, how many more are in front of it than behind
+  // of those beside it, how many are in front and behind of where it would be if it went on there
+  int in_front = 0, behind = 0;
 
-  int beside() const { return (back == 0) - (before == 0); }
+  /// 1 or -1: all those beside it are in front or behind; 0: they are on both sides, or there are
+  /// none.
+  int beside() const { return (behind == 0) - (in_front == 0); }
 };
 
 Votes votes(const Collider& open, const Points3& points) {
@@ -48,7 +51,7 @@ Votes votes(const Collider& open, const Points3& points) {
     }
     // beyond the border, as beside the mouth of a bin, there is neither front nor back
     const double ahead = open.face_normal(near.triangle).dot(points.row(v).transpose() - near.at);
-    if (std::abs(ahead) > lies_in_it) (ahead > 0 ? votes.before : votes.back) += 1;
+    if (std::abs(ahead) > lies_in_it) (ahead > 0 ? votes.in_front : votes.behind) += 1;
   }
   return votes;
 }

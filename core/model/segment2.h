@@ -3,6 +3,8 @@
 #include "core/model/sheet.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace paperbake {
 
@@ -21,6 +23,19 @@ inline double distance_to_segment(const Vector2d& p, const Vector2d& a, const Ve
 struct Segment2 {
   Vector2d a, b;
 };
+
+/// Where the straight line through way.a and way.b meets a segment, as a share of the way [1]: 0 is
+/// way.a, 1 is way.b. Nothing: it does not, or nearly runs along the segment.
+inline std::optional<double> meeting(const Segment2& way, const Segment2& segment) {
+  constexpr double rounding = 1e-9;  // [1] of the segment
+  constexpr double parallel = 0.02;  // [1] sine of an angle
+  const Vector2d along = way.b - way.a, across = segment.b - segment.a, apart = segment.a - way.a;
+  const double turned = cross(along, across);
+  if (std::abs(turned) <= parallel * along.norm() * across.norm()) return std::nullopt;
+  const double at = cross(apart, along) / turned;
+  if (std::abs(at - 0.5) > 0.5 + rounding) return std::nullopt;
+  return cross(apart, across) / turned;
+}
 
 /// Whether the line of a segment runs between these two points.
 inline bool separates(const Segment2& line, const Vector2d& p, const Vector2d& q) {

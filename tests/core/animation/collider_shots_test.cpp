@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 namespace paperbake {
 namespace {
@@ -198,18 +199,26 @@ TEST(ColliderShotsTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
   });
 }
 
-TEST(ColliderShotsTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
-  const int frames = 30;
+/// A sheet of 10 cm in a cage of 12 cm.
+/// size  [1] of the cage, in each frame
+Shot in_cage(int frames, const std::function<double(int)>& size) {
   Shot shot = blank_shot(rectangle(0.1, 0.1));
   shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
   ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
   const Points3 x = cage.x;
-  for (int f = 0; f < frames; ++f) cage.frames.push_back(x * (1 - 0.3 * f / (frames - 1)));
+  for (int f = 1; f <= frames; ++f) cage.frames.push_back(x * size(f));
   shot.colliders = facing_colliders({cage}, shot.start.x, {});
+  return shot;
+}
+
+TEST(ColliderShotsTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
+  constexpr int frames = 30;
+  const auto size = [](int frame) { return 1 - 0.3 * (frame - 1) / (frames - 1); };
+  const Shot shot = in_cage(frames, size);
   AnimateOptions options;
   options.last_frame = frames;
   animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
-    const double half = 0.06 * (1 - 0.3 * (frame.frame - 1) / (frames - 1));
+    const double half = 0.06 * size(frame.frame);
     EXPECT_LT(frame.sheet->x.cwiseAbs().maxCoeff(), half + 5e-5) << frame.frame;
     EXPECT_LT(frame.statistics.inside_colliders, 5e-5) << frame.frame;
     EXPECT_LT(length_distortion(*frame.sheet).largest, 0.01) << frame.frame;
@@ -221,13 +230,8 @@ TEST(ColliderShotsTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
 /// and not entangled, says so, and finds it again when it opens.
 TEST(ColliderShotsTest, ACageThatShrinksTooFarLeavesTheSheetBehindWhole) {
   const int frames = 33;
-  Shot shot = blank_shot(rectangle(0.1, 0.1));
-  shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
-  ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
-  const Points3 x = cage.x;
   const auto size = [](int frame) { return 1 - 0.7 * std::min(frame - 1, 33 - frame) / 16; };
-  for (int f = 1; f <= frames; ++f) cage.frames.push_back(x * size(f));
-  shot.colliders = facing_colliders({cage}, shot.start.x, {});
+  const Shot shot = in_cage(frames, size);
   AnimateOptions options;
   options.last_frame = frames;
   int jammed = 0;

@@ -20,6 +20,12 @@ using test::hex_sheet;
 
 constexpr double g = 9.81;
 
+Triangles one_triangle() {
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  return one;
+}
+
 StepInput resting(const Colliders& colliders) {
   return {{}, {shapes_at(colliders, 0), shapes_at(colliders, 0)}};
 }
@@ -79,9 +85,7 @@ TEST(ColliderContactTest, ContactDoesNotPushAHandThatLiesOnTheCollider) {
   const auto colliders = all({ground()});
   Points3 x(3, 3);
   x << 0, 0, 1e-4, 0.01, 0, 1e-3, 0, 0.01, 1e-3;
-  Triangles one(1, 3);
-  one << 0, 1, 2;
-  ColliderContact contact(colliders, one, 3);
+  ColliderContact contact(colliders, one_triangle(), 3);
   const ColliderShapes at = shapes_at(*colliders, 0);
   const auto push = [&](const PositionConstraints& pulled, double height) {
     contact.begin(x, {at, at}, {}, pulled);
@@ -119,9 +123,7 @@ TEST(ColliderContactTest, ContactHessianIsExactOnAPlane) {
   const auto colliders = all({ground()});
   Points3 x(3, 3);
   x << 0, 0, 3e-4, 0.01, 0, 2e-4, 0, 0.01, 5e-5;
-  Triangles one(1, 3);
-  one << 0, 1, 2;
-  ColliderContact contact(colliders, one, 3);
+  ColliderContact contact(colliders, one_triangle(), 3);
   contact.begin(x, {shapes_at(*colliders, 0), shapes_at(*colliders, 0)}, {});
   x.col(0).array() += 1e-6;  // within the static range of the friction mollifier
   x.col(1).array() += 2e-6;
@@ -244,18 +246,17 @@ TEST(ColliderClearanceTest, AnEdgeThatHangsOverARimIsLiftedOntoIt) {
   const auto colliders = all({bin(0.05)});
   Points3 outside(3, 3);
   outside << 0.045, -0.002, 2e-4, 0.055, -0.002, 2e-4, 0.05, 0.01, 2e-4;
-  Triangles one(1, 3);
-  one << 0, 1, 2;
   Points3 x = outside;
   x.col(2).array() -= 5e-4;  // 0.3 mm below the rim
-  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one, outside);
+  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one_triangle(), outside);
   EXPECT_LT(clearance.begins_inside(), 1e-9);
   for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
   EXPECT_GT(0.5 * (x(0, 2) + x(1, 2)), -1e-6);
   EXPECT_LT((x - outside).rowwise().norm().maxCoeff(), 1e-3);
   // a sheet that the wall has been through begins inside
   outside.col(2).array() -= 8e-4;
-  EXPECT_NEAR(ColliderClearance(colliders, shapes_at(*colliders, 0), one, outside).begins_inside(),
+  EXPECT_NEAR(ColliderClearance(colliders, shapes_at(*colliders, 0), one_triangle(), outside)
+                  .begins_inside(),
               6e-4, 1e-9);
 }
 
@@ -267,11 +268,9 @@ TEST(ColliderClearanceTest, ATriangleThatHangsOverACornerIsLiftedOntoIt) {
   const auto colliders = all({wall});
   Points3 outside(3, 3);
   outside << -0.06, -0.03, 2e-4, 0.06, -0.03, 2e-4, 0, 0.06, 2e-4;
-  Triangles one(1, 3);
-  one << 0, 1, 2;
   Points3 x = outside;
   x.col(2).array() -= 5e-4;
-  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one, outside);
+  ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one_triangle(), outside);
   for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
   EXPECT_NEAR(x.col(2).mean(), 0, 1e-6);  // above the corner
 }
