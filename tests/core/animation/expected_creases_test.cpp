@@ -450,8 +450,8 @@ std::vector<Plate> half_a_plane(double apart) {
     return turned(std::max(0.0, 2 * s - 1) * 70 * degrees, top, {0.105, -0.2535});
   };
   return {{{{0.105, 0.02}, {0.075, 0.1}, {0.135, 0.1}, {0.105, 0.15}}, still},
-          {{{0.207, 0.07}, {0.205, 0.13}, {0.165, 0.19}}, wing},
-          {{{0.19, 0.28}, {0.15, 0.29}, {0.205, 0.22}}, [=](double s) {
+          {{{0.207, 0.07}, {0.205, 0.13}, {0.19, 0.165}}, wing},
+          {{{0.205, 0.237}, {0.195, 0.247}, {0.207, 0.222}}, [=](double s) {
              return wing(s) *
                     turned(std::min(1.0, 2 * s) * 150 * degrees, beside, {0.105 - apart, -0.105});
            }}};
@@ -481,21 +481,27 @@ TEST(ExpectedCreasesTest, FoldsThatEndBesideEachOtherEndAtOnePoint) {
 }
 
 /// A sheet that is folded in half and has a corner turned down after that, both layers of it, by a
-/// line that meets the first fold at this angle.
+/// line that meets the first fold at this angle. The corner ends 1.8 mm above the rest.
 std::vector<Plate> doubled_corner(double angle, bool holds_both) {
   const Vector2d middle(0.074, 0.105), down(-std::cos(angle), -std::sin(angle));
   const auto half = [=](double s) {
     return turned(std::min(1.0, 2 * s) * 177.8 * degrees, {0, middle.y()}, {1, 0});
   };
   const auto corner = [=](double s) {
-    return turned(-std::max(0.0, 2 * s - 1) * 165 * degrees, middle, down);
+    const double share = std::max(0.0, 2 * s - 1);
+    return Eigen::Translation3d(0, 0, 0.0018 * std::max(0.0, 2 * share - 1)) *
+           turned(-share * 170 * degrees, middle, down);
+  };
+  const double reach = 0.05 * std::tan(angle);  // [m] within the corner
+  const auto points = [&](double side) -> std::vector<Vector2d> {
+    return {{0.004, middle.y() + side * 0.006},
+            {0.004, middle.y() + side * reach},
+            {0.045, middle.y() + side * 0.006}};
   };
   std::vector<Plate> plates{{{{0.03, 0.01}, {0.118, 0.01}, {0.09, 0.06}}, still},
                             {{{0.03, 0.2}, {0.118, 0.2}, {0.09, 0.15}}, half},
-                            {{{0.004, 0.099}, {0.004, 0.09}, {0.045, 0.099}}, corner}};
-  if (holds_both)
-    plates.push_back({{{0.004, 0.111}, {0.004, 0.12}, {0.045, 0.111}},
-                      [=](double s) { return corner(s) * half(s); }});
+                            {points(-1), corner}};
+  if (holds_both) plates.push_back({points(1), [=](double s) { return corner(s) * half(s); }});
   return plates;
 }
 
