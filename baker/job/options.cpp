@@ -201,8 +201,8 @@ std::vector<Option> meshes_and_physics() {
       word<Dynamics>("dynamics", &BakeSettings::dynamics,
                      {{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}},
                      "auto",
-                     "Inertia: auto (if a sheet falls, swings, is thrown, or springs when it is "
-                     "let go), off, on"),
+                     "Inertia: auto (if a sheet falls, swings, is thrown, springs when it is let "
+                     "go, or begins in a shape that does not bear its weight), off, on"),
       with_default({"probe", K::whole, 0, 100000}, "0",
                    "Every N frames, search for a shape of lower energy under the same handles, and "
                    "snap to it; 0 turns it off",

@@ -131,10 +131,12 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.plasticity == Plasticity::on, singular = method == "hybrid";
-  const std::string let_go =
-      dynamic || with_inertia == 0
-          ? ""
-          : fmt::format("; in {} frames a sheet that was let go has inertia", with_inertia);
+  const std::string let_go = dynamic || with_inertia == 0
+                                 ? ""
+                                 : fmt::format(
+                                       "; in {} frames a sheet that was let go, or that gave way "
+                                       "to its weight, has inertia",
+                                       with_inertia);
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {
       {"dynamics", model(dynamic, plan.why_inertia + let_go)},

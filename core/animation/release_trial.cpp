@@ -8,10 +8,11 @@
 
 namespace paperbake {
 
-void ReleaseTrial::begin(SimulatedSheet& simulated, bool let_go) {
+void ReleaseTrial::begin(SimulatedSheet& simulated, LetGo let_go) {
   is_on_ = false;
+  let_go_ = let_go;
   if (!simulated.has_inertia()) {
-    is_on_ = let_go;
+    is_on_ = let_go != LetGo::no;
     if (is_on_)
       potential_at_start_ = simulated.elastic.evaluate_energies(simulated.sheet).potential;
   } else if (was_let_go() && quiet_ >= quarter_period(swing_)) {
@@ -44,6 +45,18 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
   return swing;
 }
 
+std::string ReleaseTrial::note_of(const Swing& swing) const {
+  char note[200];
+  std::snprintf(
+      note, sizeof note,
+      let_go_ == LetGo::as_modelled
+          ? "the shape in which it was modelled does not bear its weight: it gives way by "
+            "%.1f mm, and moves with inertia until it is at rest"
+          : "let go, it springs by %.1f mm: it moves with inertia now",
+      1e3 * swing.amplitude);
+  return note;
+}
+
 ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
                                         const FrameStepResult& step, const StepInput& at,
                                         double fastest_drive) {
@@ -66,10 +79,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     Points3& v = start.sheet.v;
     const double fastest = max_row_norm(v);
     if (fastest > fastest_drive) v *= fastest_drive / fastest;
-    char note[120];
-    std::snprintf(note, sizeof note, "let go, it springs by %.1f mm: it moves with inertia now",
-                  1e3 * swing.amplitude);
-    verdict.note = note;
+    verdict.note = note_of(swing);
   }
   quiet_ = 0;
   simulated.elastic.set_inertia(Inertia::dynamic);

@@ -10,16 +10,20 @@
 namespace paperbake {
 
 /// Decides when a sheet that is simulated without inertia gets it: from the frame in which handles
-/// let go of it and it springs, until it has come to rest (ReleaseInertia). A frame in which that
-/// may begin or end is first taken without inertia, on trial.
+/// let go of it and it springs, until it has come to rest (ReleaseInertia). A sheet that was
+/// modelled in a shape which does not bear its weight is let go, too, after the first frame, which
+/// shows it as it was modelled. A frame in which that may begin or end is first taken without
+/// inertia, on trial.
 class ReleaseTrial {
  public:
   explicit ReleaseTrial(double fps) : fps_(fps) {}
 
   /// Begins a trial if there is reason for one. To be called before the mesh of the frame is
   /// changed, which may change what the sheet stores.
-  /// let_go  a vertex that was held in the frame before no longer is
-  void begin(SimulatedSheet&, bool let_go);
+  enum class LetGo { no, by_handles, as_modelled };
+  /// by_handles   a vertex that was held in the frame before no longer is
+  /// as_modelled  this is the second frame of a sheet that has weight
+  void begin(SimulatedSheet&, LetGo);
   void skip() { is_on_ = false; }
   bool is_on() const { return is_on_; }
 
@@ -45,9 +49,11 @@ class ReleaseTrial {
  private:
   Swing swing(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
               const StepInput& at) const;
+  std::string note_of(const Swing&) const;
 
   double fps_;
   bool is_on_ = false;
+  LetGo let_go_ = LetGo::no;       // of the trial
   double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
   Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
   double quiet_ = 0;  // [s] for how long it has swung no more than what is still

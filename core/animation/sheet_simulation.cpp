@@ -274,10 +274,14 @@ double SheetSimulation::fastest_drive(int frame) const {
 }
 
 void SheetSimulation::begin_trial() {
+  using LetGo = ReleaseTrial::LetGo;
   if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame)
-    release_.skip();
-  else
-    release_.begin(simulated_, lets_go(resting_input_.constraints, now_.input.constraints));
+    return release_.skip();
+  const bool has_weight = options_.elastic.forces.gravity != 0;
+  release_.begin(simulated_, lets_go(resting_input_.constraints, now_.input.constraints)
+                                 ? LetGo::by_handles
+                             : has_weight && frame_ == options_.first_frame + 1 ? LetGo::as_modelled
+                                                                                : LetGo::no);
 }
 
 bool SheetSimulation::end_trial() {

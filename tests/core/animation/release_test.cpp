@@ -192,6 +192,41 @@ TEST(ReleaseTest, TheSameSpringAtEveryFrameRate) {
     EXPECT_LT(max_row_norm(shapes[k] - shapes[0]), 0.1 * 0.28) << k;
 }
 
+TEST(ReleaseTest, ASheetModelledInAShapeThatDoesNotBearItsWeightTakesSeveralFrames) {
+  // held level by six points at one end; 0.2 m stand out
+  constexpr int frames = 130;
+  const Vector3d x(1, 0, 0), y(0, 1, 0), origin = Vector3d::Zero();
+  Shot shot = test::placed(0.24, 0.08, origin, x, y);
+
+  for (const double u : {0.0, 0.04})
+    for (const double v : {0.0, 0.04, 0.08})
+      test::hold(shot, {u, v}, frames, test::stays, origin, x, y);
+  const auto fine_fem = [](const Shot&, std::size_t) -> MethodChoice { return fem(200); };
+  AnimateOptions options = until(frames);
+  options.elastic.forces.gravity = 9.81;
+  const auto farthest_in_a_frame = [](const Outcome& outcome) {
+    double most = 0;
+    for (std::size_t f = 1; f < outcome.shapes[0].size(); ++f)
+      most = std::max(most, max_row_norm(outcome.shapes[0][f].x - outcome.shapes[0][f - 1].x));
+    return most;
+  };
+  const Outcome falls = test::outcome_of({shot}, fine_fem, options);
+  options.release_inertia = ReleaseInertia::off;
+  const Outcome drops = test::outcome_of({shot}, fine_fem, options);
+  ASSERT_GT(farthest_in_a_frame(drops), 0.08) << "without inertia it is there within one frame";
+  EXPECT_LT(farthest_in_a_frame(falls), 0.5 * farthest_in_a_frame(drops));
+  EXPECT_NE(falls.frames[0][1].note.find("does not bear its weight"), std::string::npos);
+  EXPECT_LT(max_row_norm(falls.shapes[0].back().x - drops.shapes[0].back().x), 2e-3)
+      << "it swings about the same equilibrium";
+
+  // modelled as it hangs, it stays
+  options.release_inertia = ReleaseInertia::automatic;
+  shot.start = drops.shapes[0].back();
+  const Outcome hangs = test::outcome_of({shot}, fine_fem, options);
+  EXPECT_LT(farthest_in_a_frame(hangs), 5e-3 * 0.24);
+  for (const AnimatedFrame& frame : hangs.frames[0]) ASSERT_FALSE(frame.statistics.inertia);
+}
+
 TEST(ReleaseTest, ASheetSpringsOntoATableAndGoesOnFromAState) {
   Shot shot = bent_strip(0.28, 60);
   ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
