@@ -47,13 +47,12 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
 
 std::string ReleaseTrial::note_of(const Swing& swing) const {
   char note[200];
-  std::snprintf(
-      note, sizeof note,
-      let_go_ == LetGo::as_modelled
-          ? "the shape in which it was modelled does not bear its weight: it gives way by "
-            "%.1f mm, and moves with inertia until it is at rest"
-          : "let go, it springs by %.1f mm: it moves with inertia now",
-      1e3 * swing.amplitude);
+  std::snprintf(note, sizeof note,
+                let_go_ == LetGo::as_modelled
+                    ? "the shape in which it was modelled does not bear its weight: it gives "
+                      "way by %.1f mm, with inertia and much damping, until it is at rest"
+                    : "let go, it springs by %.1f mm: it moves with inertia now",
+                1e3 * swing.amplitude);
   return note;
 }
 
@@ -74,6 +73,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     const Swing swing = this->swing(simulated, start, step, at);
     if (!needs_inertia(swing, simulated.side)) return {};
     swing_ = swing;
+    damping_ = let_go_ == LetGo::as_modelled ? critical_damping(swing, gravity_) : 0;
     // A sheet at equilibrium is moved by what drives it and goes no faster than that, whatever its
     // last step was.
     Points3& v = start.sheet.v;
@@ -82,12 +82,23 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     verdict.note = note_of(swing);
   }
   quiet_ = 0;
-  simulated.elastic.set_inertia(Inertia::dynamic);
+  give_inertia(simulated);
   verdict.needs_inertia = true;
   return verdict;
 }
 
-void ReleaseTrial::observe(const SimulatedSheet& simulated, double fastest_drive) {
+void ReleaseTrial::give_inertia(SimulatedSheet& simulated) const {
+  simulated.elastic.set_inertia(Inertia::dynamic, damping_);
+}
+
+void ReleaseTrial::observe(SimulatedSheet& simulated, const StepInput& at, double fastest_drive) {
+  if (damping_ > 0) {  // it may sink farther than the trial did
+    const Swing sunk = swing_to(simulated.sheet, simulated.initial_positions(),
+                                vertices_of(at.constraints), 0, simulated.shot.paper.area_density);
+    swing_.amplitude = std::max(swing_.amplitude, sunk.amplitude);
+    damping_ = critical_damping(swing_, gravity_);
+    give_inertia(simulated);
+  }
   const Points3 &x = simulated.sheet.x, &before = simulated.positions_before;
   double fastest = max_row_norm(simulated.sheet.v);
   if (before.rows() == x.rows()) fastest = std::max(fastest, fps_ * max_row_norm(x - before));
@@ -96,8 +107,10 @@ void ReleaseTrial::observe(const SimulatedSheet& simulated, double fastest_drive
 }
 
 void ReleaseTrial::archive(Serializer& a) {
-  a(swing_.amplitude, swing_.rate, quiet_);
-  if (a.reads()) a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && quiet_ >= 0);
+  a(swing_.amplitude, swing_.rate, damping_, quiet_);
+  if (a.reads())
+    a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && damping_ >= 0 &&
+              std::isfinite(damping_) && quiet_ >= 0);
 }
 
 }  // namespace paperbake

@@ -12,11 +12,12 @@ namespace paperbake {
 /// Decides when a sheet that is simulated without inertia gets it: from the frame in which handles
 /// let go of it and it springs, until it has come to rest (ReleaseInertia). A sheet that was
 /// modelled in a shape which does not bear its weight is let go, too, after the first frame, which
-/// shows it as it was modelled. A frame in which that may begin or end is first taken without
-/// inertia, on trial.
+/// shows it as it was modelled; but nobody means it to swing, so its motion is damped critically. A
+/// frame in which that may begin or end is first taken without inertia, on trial.
 class ReleaseTrial {
  public:
-  explicit ReleaseTrial(double fps) : fps_(fps) {}
+  /// gravity  [m/s2]
+  ReleaseTrial(double fps, double gravity) : fps_(fps), gravity_(gravity) {}
 
   /// Begins a trial if there is reason for one. To be called before the mesh of the frame is
   /// changed, which may change what the sheet stores.
@@ -39,10 +40,13 @@ class ReleaseTrial {
   Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
               const StepInput& at, double fastest_drive);
 
+  /// Gives the sheet the inertia that it has because it was let go.
+  void give_inertia(SimulatedSheet&) const;
   /// Whether the sheet has inertia because it was let go.
   bool was_let_go() const { return swing_.rate > 0; }
-  /// To be called after every frame of such a sheet. fastest_drive: in this frame [m/s]
-  void observe(const SimulatedSheet&, double fastest_drive);
+  /// To be called after every frame of such a sheet.
+  /// fastest_drive  [m/s] in this frame
+  void observe(SimulatedSheet&, const StepInput& at, double fastest_drive);
 
   void archive(Serializer&);
 
@@ -51,12 +55,13 @@ class ReleaseTrial {
               const StepInput& at) const;
   std::string note_of(const Swing&) const;
 
-  double fps_;
+  double fps_, gravity_;
   bool is_on_ = false;
   LetGo let_go_ = LetGo::no;       // of the trial
   double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
   Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
-  double quiet_ = 0;  // [s] for how long it has swung no more than what is still
+  double damping_ = 0;  // [1/s] as in ElasticOptions
+  double quiet_ = 0;    // [s] for how long it has swung no more than what is still
 };
 
 }  // namespace paperbake

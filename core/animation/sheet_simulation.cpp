@@ -110,7 +110,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       keys_until_(place.rehearsal.last_frame),
       simulated_(shot, start_on(shot, *method_, options, rehearsed_doublings_), options, number_),
       handles_(shot, simulated_.handle_vertex, options.first_frame),
-      release_(options.fps),
+      release_(options.fps, options.elastic.forces.gravity),
       folds_(simulated_, *method_, options.first_frame),
       frame_(options.first_frame - 1) {
   while (std::ldexp(1 / options.fps, -inertial_halvings_) > 1.001 * max_inertial_step &&
@@ -150,7 +150,7 @@ void SheetSimulation::archive(Serializer& a) {
     resting_input_.colliders.from = resting_input_.colliders.to;
   }
   a.require(!release_.was_let_go() || options_.release_inertia == ReleaseInertia::automatic);
-  if (release_.was_let_go()) simulated_.elastic.set_inertia(Inertia::dynamic);
+  if (release_.was_let_go()) release_.give_inertia(simulated_);
   simulated_.update_solver();
   if (simulated_.plastic_grid) state.grid = *simulated_.plastic_grid;
   simulated_.elastic.restore(state);
@@ -292,10 +292,6 @@ bool SheetSimulation::end_trial() {
   return verdict.needs_inertia;
 }
 
-Points3 SheetSimulation::initial_positions() const {
-  return MeshTransfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x);
-}
-
 void SheetSimulation::note_outcome() {
   const ElasticReport& last = now_.step.last;
   outcome_.at_minimum = now_.step.converged && !last.snap_in_progress;
@@ -321,7 +317,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
     add_note("snap: a second start ended " +
              std::to_string(static_cast<int>(std::lround(100 * now_.step.last.energy_gain))) +
              " % lower in energy and was taken");
-  if (release_.was_let_go()) release_.observe(simulated_, fastest_drive(frame_));
+  if (release_.was_let_go()) release_.observe(simulated_, now_.input, fastest_drive(frame_));
   if (options_.probe_every > 0 && !now_.is_sleeping && !touches_others() &&
       !simulated_.has_inertia() && (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);

@@ -73,7 +73,7 @@ class SheetSimulation {
 
   const Sheet& sheet() const { return simulated_.sheet; }
   /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
-  Points3 initial_positions() const;
+  Points3 initial_positions() const { return simulated_.initial_positions(); }
   const Sheet& output_sheet() const { return output_sheet_; }
   const PositionConstraints& constraints() const { return now_.input.constraints; }
   const Elastic& elastic() const { return simulated_.elastic; }

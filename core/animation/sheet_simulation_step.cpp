@@ -86,10 +86,13 @@ void SheetSimulation::keep_frame_start() {
 void SheetSimulation::undo_step() {
   if (!now_.frame_start) return roll_back();
   carried_.forget();
-  simulated_.elastic.set_inertia(now_.frame_start->inertia);
   Serializer frame_start(now_.frame_start->state);
   archive(frame_start);
   release_ = now_.frame_start->release;
+  if (release_.was_let_go() && now_.frame_start->inertia == Inertia::dynamic)
+    release_.give_inertia(simulated_);
+  else
+    simulated_.elastic.set_inertia(now_.frame_start->inertia);
   now_.result = now_.frame_start->result;
   now_.step_start.reset();
   now_.last_remesh.reset();

@@ -63,6 +63,10 @@ void SimulatedSheet::put_on(PatternMesh&& mesh) {
   carry_over(before);
 }
 
+Points3 SimulatedSheet::initial_positions() const {
+  return MeshTransfer(shot.start.pattern, shot.start.triangles, sheet.pattern)(shot.start.x);
+}
+
 bool SimulatedSheet::is_smooth() const {
   return !has_bends && sheet.singular.empty() && sheet.prescribed_creases.empty();
 }

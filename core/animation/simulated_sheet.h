@@ -37,6 +37,8 @@ struct SimulatedSheet {
   void put_on(PatternMesh&&);
 
   bool has_inertia() const { return elastic.inertia() == Inertia::dynamic; }
+  /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
+  Points3 initial_positions() const;
   /// Without points or lines that the mesh has to keep.
   bool is_smooth() const;
 

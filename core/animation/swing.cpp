@@ -35,6 +35,10 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
 
 double quarter_period(const Swing& swing) { return 0.5 * M_PI / swing.rate; }
 
+double critical_damping(const Swing& swing, double gravity) {
+  return 2 * std::sqrt(1.545 * std::abs(gravity) / swing.amplitude);
+}
+
 bool needs_inertia(const Swing& swing, double side) {
   constexpr double visible = 0.005;  // [1] of the longer side
   return swing.amplitude > visible * side && swing.rate > 0 && swing.rate < fastest_swing;

@@ -37,6 +37,12 @@ double quarter_period(const Swing&);
 /// [rad/s] 12 swings a second.
 inline constexpr double fastest_swing = 2 * 3.14159265358979323846 * 12;
 
+/// [1/s] The damping, as in Elastic::set_inertia, that lets a sheet sink under its weight as fast as
+/// it can without swinging: 2 w, with w^2 = 1.545 g/d of a cantilever whose tip sinks by the
+/// amplitude d (d = rho g L^4/(8 D), w = 3.516 sqrt(D/rho)/L^2).
+/// gravity  [m/s2]
+double critical_damping(const Swing&, double gravity);
+
 /// Whether a sheet must have inertia while it swings like this. It need not
 ///
 /// - if it moves by less than 0.5 % of its longer side, as far as other errors of a frame go; or

@@ -129,7 +129,10 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.mean_edge = mean_edge(sheet.pattern, sheet.triangles);
 }
 
-void Elastic::set_inertia(Inertia inertia) { impl_->options.inertia = inertia; }
+void Elastic::set_inertia(Inertia inertia, double damping) {
+  impl_->options.inertia = inertia;
+  impl_->options.damping = damping;
+}
 
 Inertia Elastic::inertia() const { return impl_->options.inertia; }
 

@@ -37,6 +37,10 @@ struct ElasticOptions {
   ExternalForces forces;
   Air air;  // slows a sheet with inertia, and carries it along (air_drag.h)
   Inertia inertia = Inertia::quasi_static;
+  // [1/s] c of a drag -c m (v - v_r) on each vertex of a sheet with inertia, where v_r is the rigid
+  // motion that is nearest to its own and goes with the held vertices. 2 w damps an oscillation of
+  // rate w critically.
+  double damping = 0;
   SelfContact contact = SelfContact::automatic;
   // obstacles that the sheet must not pass through; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
@@ -175,8 +179,9 @@ class Elastic {
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
 
-  /// Whether steps from now on have inertia; at first, what the options say.
-  void set_inertia(Inertia);
+  /// Whether steps from now on have inertia, and with which damping, as in ElasticOptions; at first,
+  /// what the options say.
+  void set_inertia(Inertia, double damping = 0);
   Inertia inertia() const;
 
   /// To be called for the first mesh and after every change of the pattern or the connectivity. As

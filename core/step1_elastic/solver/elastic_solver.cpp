@@ -3,6 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_coarseness.h"
+#include "core/geometry/rigid_motion.h"
 #include "core/step1_elastic/energy_not_finite.h"
 
 #include <cmath>
@@ -168,6 +169,23 @@ StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input
   return {constraints, hard_constraints(constraints), input.colliders, dt, input.time};
 }
 
+namespace {
+
+/// Where the rigid motion takes a sheet that is nearest to the motion of its free vertices to
+/// `free`, and of the held ones to their targets, which count much more.
+/// x, free  |V|x3 [m]
+Points3 moved_rigidly(const Points3& x, Points3 free, const PositionConstraints& held) {
+  constexpr double much = 1e3;  // [1] weight of a held vertex against all free ones
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(x.rows());
+  for (const PositionConstraint& c : held) {
+    free.row(c.vertex) = c.target;
+    weights[c.vertex] = much * static_cast<double>(x.rows());
+  }
+  return moved(nearest_rigid_motion(x, free, weights), x);
+}
+
+}  // namespace
+
 SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& step,
                                         PositionConstraints springs) {
   const bool dynamic = options.inertia == Inertia::dynamic;
@@ -177,6 +195,11 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& s
   SheetPotential W{*energy, mass, block_of};
   W.xhat = dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x;
   W.inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  if (dynamic && options.damping > 0) {
+    const double drag = options.damping * dt;
+    W.xhat = (W.xhat + drag * moved_rigidly(sheet.x, W.xhat, step.hard)) / (1 + drag);
+    W.inertia *= 1 + drag;
+  }
   W.forces = options.forces;
   W.springs = std::move(springs);
   if (colliders) W.colliders = &*colliders;
