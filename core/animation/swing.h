@@ -37,9 +37,9 @@ double quarter_period(const Swing&);
 /// [rad/s] 12 swings a second.
 inline constexpr double fastest_swing = 2 * 3.14159265358979323846 * 12;
 
-/// [1/s] The damping, as in Elastic::set_inertia, that lets a sheet sink under its weight as fast as
-/// it can without swinging: 2 w, with w^2 = 1.545 g/d of a cantilever whose tip sinks by the
-/// amplitude d (d = rho g L^4/(8 D), w = 3.516 sqrt(D/rho)/L^2).
+/// [1/s] The damping, as in ElasticOptions, that lets a sheet sink under its weight as fast as it
+/// can without swinging: 2 w, with w^2 = 1.545 g/d of a cantilever whose tip sinks by the amplitude
+/// d (d = rho g L^4/(8 D), w = 3.516 sqrt(D/rho)/L^2).
 /// gravity  [m/s2]
 double critical_damping(const Swing&, double gravity);
 

@@ -179,8 +179,8 @@ class Elastic {
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
 
-  /// Whether steps from now on have inertia, and with which damping, as in ElasticOptions; at first,
-  /// what the options say.
+  /// Whether steps from now on have inertia, and with which damping, as in ElasticOptions; at
+  /// first, what the options say.
   void set_inertia(Inertia, double damping = 0);
   Inertia inertia() const;
 
