@@ -150,12 +150,10 @@ void Elastic::Impl::begin_creases(const Sheet& sheet, const StepInput& input,
   softened->press(sheet.x, input.pressing);
   panels.clear();
   if (const std::optional<Panels> parts = panels_now()) {
-    Points3 flat = Points3::Zero(pattern.rows(), 3);
-    flat.leftCols<2>() = pattern;
     const std::vector<double> pressed = energy->pressed_hinges();
-    for (const Points3* x : {&sheet.x, static_cast<const Points3*>(&flat)})
-      if (std::optional<Points3> moved = parts->moved(*x, step.hard, pressed))
-        panels.push_back(std::move(*moved));
+    for (const auto& moved :
+         {parts->moved(sheet.x, step.hard, pressed), parts->moved_from_pattern(step.hard, pressed)})
+      if (moved) panels.push_back(*moved);
   }
   if (contact) contact->set_panels(panels.empty() ? Points3() : panels.front(), paper.thickness);
 }

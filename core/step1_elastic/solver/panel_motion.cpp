@@ -129,6 +129,14 @@ class Panels::Motion {
         known_(panels.pattern_, x, hard),
         motions_(panels.vertices_.size()) {}
 
+  /// Moves the panels that constraints hold, and those between them that can only go one way.
+  void begin(const std::vector<double>& pressed) {
+    spread();
+    if (!has_begun()) return;
+    for (const Fold& fold : panels_.folds_)
+      if (close(fold, pressed[fold.hinge])) spread();
+  }
+
   /// Moves the panels with their known vertices, as far as these say how.
   void spread() {
     for (bool goes_on = true; goes_on;) {
@@ -190,6 +198,9 @@ class Panels::Motion {
   bool has_begun() const {
     return std::any_of(motions_.begin(), motions_.end(), [](const auto& m) { return bool(m); });
   }
+  bool is_complete() const {
+    return std::all_of(motions_.begin(), motions_.end(), [](const auto& m) { return bool(m); });
+  }
   Points3 places() const { return known_.all(); }
 
  private:
@@ -238,11 +249,20 @@ std::optional<Points3> Panels::moved(const Points3& x, const PositionConstraints
                                      const std::vector<double>& pressed) const {
   if (vertices_.size() < 2) return std::nullopt;
   Motion motion(*this, x, hard);
-  motion.spread();
+  motion.begin(pressed);
   if (!motion.has_begun()) return std::nullopt;
-  for (const Fold& fold : folds_)
-    if (motion.close(fold, pressed[fold.hinge])) motion.spread();
   motion.follow();
+  return motion.places();
+}
+
+std::optional<Points3> Panels::moved_from_pattern(const PositionConstraints& hard,
+                                                  const std::vector<double>& pressed) const {
+  if (vertices_.size() < 2) return std::nullopt;
+  Points3 flat = Points3::Zero(pattern_.rows(), 3);
+  flat.leftCols<2>() = pattern_;
+  Motion motion(*this, flat, hard);
+  motion.begin(pressed);
+  if (!motion.is_complete()) return std::nullopt;
   return motion.places();
 }
 

@@ -29,6 +29,12 @@ class Panels {
   std::optional<Points3> moved(const Points3& x, const PositionConstraints& hard,
                                const std::vector<double>& pressed) const;
 
+  /// The same from the flat pattern: the panels then have no bends. Its folds have no angle, so no
+  /// panel can go with a neighbour.
+  /// returns  |V|x3 [m]; none: constraints do not hold all panels, or there is only one
+  std::optional<Points3> moved_from_pattern(const PositionConstraints& hard,
+                                            const std::vector<double>& pressed) const;
+
   /// The constraints half way to their targets. Those of a panel that they hold go round the axis
   /// about which it turns: half way along the chord they would be nearer to each other than the
   /// paper between them is long, and it would buckle. All others go along the chord.

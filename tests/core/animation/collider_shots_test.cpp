@@ -248,5 +248,57 @@ TEST(ColliderShotsTest, ACageThatShrinksTooFarLeavesTheSheetBehindWhole) {
   EXPECT_GT(jammed, 0);
 }
 
+/// A card on a table whose flap stands up from a drawn crease, past the upright by 35 degrees. A
+/// plate that covers all of it comes down: there is no way round it.
+TEST(ColliderShotsTest, AFlapThatAPlatePressesShutClosesToItsOwnSide) {
+  constexpr double half = 0.07, above = 7e-4, open = 125 * pi / 180;  // [m], [rad]
+  constexpr int frames = 36;
+  Shot shot = blank_shot(rectangle(2 * half, half));
+  shot.start.pattern.resize(6, 2);
+  shot.start.x.resize(6, 3);
+  for (int v = 0; v < 6; ++v) {
+    const double along = v / 2 * half, across = v % 2 * half;
+    shot.start.pattern.row(v) << along, across;
+    if (along > half)
+      shot.start.x.row(v) << half * (1 + std::cos(open)), across, above + half * std::sin(open);
+    else
+      shot.start.x.row(v) << along, across, above;
+  }
+  shot.start.triangles = (Triangles(4, 3) << 0, 2, 3, 0, 3, 1, 2, 4, 5, 2, 5, 3).finished();
+  shot.pattern.prescribed_creases = {{{{half, 0}, {half, half}}, -open}};
+  for (const Vector2d& p : {Vector2d(0.006, 0.006), {0.006, half - 0.006}, {0.05, half / 2}}) {
+    Handle handle = bare_handle("handle", p, frames);
+    handle.keyed.col(2).setConstant(above);
+    shot.handles.push_back(handle);
+  }
+  const double top = half * std::sin(open);
+  ColliderMesh plate = box({-0.02, -0.02, top + 0.01}, {0.16, 0.09, top + 0.03});
+  for (int f = 0; f < frames; ++f) {
+    const double t = f / (frames - 1.0);
+    plate.frames.push_back(plate.x);
+    plate.frames.back().col(2).array() -= (top + 0.003) * t * t * (3 - 2 * t);
+  }
+  shot.colliders = all({box({-0.3, -0.3, -0.02}, {0.4, 0.4, 0}), plate});
+  AnimateOptions options;
+  options.elastic.forces.gravity = g;
+  options.last_frame = frames;
+  for (const int base : {60, 120, 180}) {
+    animate(shot, hybrid(shot.pattern, shot.paper, base, {}, 0, 0), options,
+            [&](const AnimatedFrame& frame) {
+              double flap = 0;  // [m] the mean height of its free end
+              int count = 0;
+              for (int v = 0; v < frame.sheet->x.rows(); ++v)
+                if (frame.sheet->pattern(v, 0) > 2 * half - 1e-9) {
+                  EXPECT_LT(frame.sheet->x(v, 0), half) << base << " " << frame.frame;
+                  flap += frame.sheet->x(v, 2);
+                  ++count;
+                }
+              EXPECT_GT(count, 0);
+              EXPECT_GT(flap / count, 0.5 * above);
+              return true;
+            });
+  }
+}
+
 }  // namespace
 }  // namespace paperbake

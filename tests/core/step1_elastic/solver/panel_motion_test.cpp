@@ -142,6 +142,18 @@ TEST(PanelMotionTest, NothingIsSaidOfASheetThatIsNotFoldedOrThatNoHandHolds) {
   EXPECT_FALSE(fold.panels().moved(x, held_at(x, corner), fold.unpressed()));
 }
 
+TEST(PanelMotionTest, ThePatternSaysNothingOfAPanelThatOnlyItsFoldHolds) {
+  const Folded fold(false);
+  const Points3 after = turned(fold.sheet.x, 1.4);
+  const std::vector<int> left{fold.vertex(0, 0), fold.vertex(1, 0), fold.vertex(0, 5)},
+      both{left[0], left[1], left[2], fold.vertex(6, 6), fold.vertex(5, 6), fold.vertex(6, 1)};
+  const auto moved = fold.panels().moved_from_pattern(held_at(after, both), fold.unpressed());
+  ASSERT_TRUE(moved);
+  EXPECT_LT((*moved - after).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_FALSE(fold.panels().moved_from_pattern(held_at(after, left), fold.unpressed()))
+      << "flat, the flap would leap open";
+}
+
 TEST(PanelMotionTest, HalfWayOfATurnIsHalfTheTurnAndNotTheChord) {
   const Folded fold(false);
   const Points3 before = turned(fold.sheet.x, 1), middle = turned(fold.sheet.x, 1.2),
