@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace paperbake {
 
@@ -19,11 +21,37 @@ constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
-double volume(const Points3& x, const Triangles& triangles) {
-  double six = 0;
+/// For each vertex, the lowest vertex of its part of the mesh: vertices that triangles connect.
+std::vector<int> parts_of(const Triangles& triangles, Eigen::Index vertices) {
+  std::vector<int> lowest(vertices);
+  std::iota(lowest.begin(), lowest.end(), 0);
+  const auto part_of = [&](int v) {
+    while (lowest[v] != v) v = lowest[v] = lowest[lowest[v]];
+    return v;
+  };
   for (int t = 0; t < triangles.rows(); ++t)
-    six += row(x, triangles(t, 0)).cross(row(x, triangles(t, 1))).dot(row(x, triangles(t, 2)));
-  return six / 6;
+    for (int i = 1; i < 3; ++i) {
+      const int a = part_of(triangles(t, 0)), b = part_of(triangles(t, i));
+      lowest[std::max(a, b)] = std::min(a, b);
+    }
+  for (int v = 0; v < vertices; ++v) lowest[v] = part_of(v);
+  return lowest;
+}
+
+/// Turns the triangles of a closed mesh so that each of its parts, which may have been modelled
+/// inside out, faces outwards; or inwards, where it holds the paper.
+void face_outwards(ColliderMesh& mesh) {
+  Triangles& triangles = mesh.triangles;
+  const std::vector<int> part = parts_of(triangles, mesh.x.rows());
+  std::vector<double> volume(mesh.x.rows(), 0);  // six times that of the part with this number
+  for (int t = 0; t < triangles.rows(); ++t)
+    volume[part[triangles(t, 0)]] += row(mesh.x, triangles(t, 0))
+                                         .cross(row(mesh.x, triangles(t, 1)))
+                                         .dot(row(mesh.x, triangles(t, 2)));
+  const bool holds_paper = mesh.paper_side == ColliderMesh::PaperSide::inside;
+  for (int t = 0; t < triangles.rows(); ++t)
+    if ((volume[part[triangles(t, 0)]] < 0) != holds_paper)
+      std::swap(triangles(t, 1), triangles(t, 2));
 }
 
 /// [m] Sides of the box along the principal axes of the points, the shortest first.
@@ -49,6 +77,7 @@ bool is_closed(const MeshEdges& edges) {
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   frames_ = std::make_shared<const std::vector<Points3>>(std::move(mesh_.frames));
   mesh_.frames.clear();
+  if (is_closed(MeshEdges(mesh_.triangles))) face_outwards(mesh_);
   prepare();
 }
 
@@ -66,13 +95,9 @@ ColliderMesh Collider::mesh_with_frames() const {
 }
 
 void Collider::prepare() {
-  Triangles& triangles = mesh_.triangles;
-  const Points3& x = mesh_.x;
-  closed_ = is_closed(MeshEdges(triangles));
-  const bool holds_paper = mesh_.paper_side == ColliderMesh::PaperSide::inside;
-  if (closed_ && (volume(x, triangles) < 0) != holds_paper) triangles.col(1).swap(triangles.col(2));
-  const MeshEdges edges(triangles);
-  const Vector3d sides = sides_of_box(x);
+  const MeshEdges edges(mesh_.triangles);
+  closed_ = is_closed(edges);
+  const Vector3d sides = sides_of_box(mesh_.x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
   find_corners(edges, find_sharp_edges(edges));

@@ -24,5 +24,29 @@ TEST(ColliderTest, ClosedMeshKnowsItsInsideForEitherOrientation) {
   EXPECT_FALSE(Collider(ground()).closed());
 }
 
+TEST(ColliderTest, EachPartOfAClosedMeshKnowsItsInside) {
+  // a small and a large box in one mesh; either may be inside out
+  const ColliderMesh small = box({0, 0, 0}, {0.1, 0.1, 0.1}),
+                     large = box({0.2, 0, 0}, {0.4, 0.2, 0.2});
+  for (int which = 0; which < 4; ++which)
+    for (const bool holds : {false, true}) {
+      ColliderMesh both = small;
+      both.x.conservativeResize(16, 3);
+      both.x.bottomRows(8) = large.x;
+      both.triangles.conservativeResize(24, 3);
+      both.triangles.bottomRows(12) = large.triangles.array() + 8;
+      if (which & 1) both.triangles.topRows(12).col(1).swap(both.triangles.topRows(12).col(2));
+      if (which & 2)
+        both.triangles.bottomRows(12).col(1).swap(both.triangles.bottomRows(12).col(2));
+      if (holds) both.paper_side = ColliderMesh::PaperSide::inside;
+      const Collider collider(both);
+      const double outside = holds ? -1 : 1;
+      EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.102}, 0.1, 1).distance, outside * 0.002, 1e-12);
+      EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.098}, 0.1, 1).distance, -outside * 0.002, 1e-12);
+      EXPECT_NEAR(collider.nearest({0.3, 0.1, 0.202}, 0.1, 1).distance, outside * 0.002, 1e-12);
+      EXPECT_NEAR(collider.nearest({0.3, 0.1, 0.198}, 0.1, 1).distance, -outside * 0.002, 1e-12);
+    }
+}
+
 }  // namespace
 }  // namespace paperbake
