@@ -85,11 +85,13 @@ bool Elastic::Impl::note_locking(const Sheet& sheet) {
 
 BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSearchMode mode,
                                                    const ElasticReport& step) {
+  // a sheet with inertia gets to a distant shape in time, or does not
+  if (options.inertia == Inertia::dynamic) return BranchSearchReason::none;
   const bool slow =
       step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
   if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
     return BranchSearchReason::slow;
-  if (step.converged && options.inertia == Inertia::quasi_static && note_locking(sheet))
+  if (step.converged && note_locking(sheet))
     return BranchSearchReason::locked;
   return BranchSearchReason::none;
 }
