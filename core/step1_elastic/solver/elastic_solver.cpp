@@ -91,8 +91,7 @@ BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSea
       step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
   if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
     return BranchSearchReason::slow;
-  if (step.converged && note_locking(sheet))
-    return BranchSearchReason::locked;
+  if (step.converged && note_locking(sheet)) return BranchSearchReason::locked;
   return BranchSearchReason::none;
 }
 
