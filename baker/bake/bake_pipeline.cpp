@@ -5,6 +5,7 @@
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/gates.h"
+#include "baker/output/leaps.h"
 #include "baker/output/stale_files.h"
 #include "baker/output/summary.h"
 #include "formats/cache/content_hash.h"
@@ -186,6 +187,8 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   files_.move_to_front_after(maps);
   if (const std::string where = describe_sheet_intersections(certificate_.frames()); !where.empty())
     context_.progress.warning(where + ".");
+  if (const std::string where = describe(find_leaps(certificate_.frames(), plan)); !where.empty())
+    context_.progress.warning(where);
 
   Gates gates;
   gates.max_stretch_pct = context_.settings.max_stretch_pct;

@@ -2,6 +2,7 @@
 
 #include "baker/job/input_hash.h"
 #include "baker/output/gates.h"
+#include "core/geometry/collider_motion.h"
 #include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -10,9 +11,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace paperbake {
 namespace {
+
+constexpr int samples_along = 13;  // points by which the motion of a sheet is measured
 
 /// [rad] To which a crease springs back, averaged over its length.
 double mean_rest_angle(const Sheet& sheet, const PrescribedCrease& crease) {
@@ -28,7 +32,10 @@ double mean_rest_angle(const Sheet& sheet, const PrescribedCrease& crease) {
 }  // namespace
 
 CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sheet)
-    : bake_(bake), sheet_(sheet), input_hash_(bake.plan.start_hash[sheet]) {
+    : bake_(bake),
+      sheet_(sheet),
+      input_hash_(bake.plan.start_hash[sheet]),
+      samples_(bake.plan.shots[sheet].pattern, samples_along) {
   const auto& colliders = bake.plan.shots[sheet].colliders;
   if (colliders) colliders_ = std::make_shared<const JudgedColliders>(*colliders);
 }
@@ -73,12 +80,32 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
     if (handle.state == HandleFrame::jammed)
       r.jammed.push_back({shot.handles[h].name, 1e3 * handle.error()});
   }
+  measure_motion(frame, statistics);
   r.note = frame.note;
   note_what_was_not_solved(frame, r);
   const bool handed_on = !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame.frame);
   if (colliders_ && !handed_on) judge_inside(sheet, r);
   r.input_hash = input_hash_;
   return r;
+}
+
+void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatistics& statistics) {
+  Points3 samples = samples_(*frame.sheet).x;
+  if (samples_before_.rows() > 0) {
+    statistics.moved = rms_distance(samples, samples_before_);
+    for (std::size_t h = 0; h < frame.handles.size(); ++h)
+      if (frame.handles[h].state != HandleFrame::free &&
+          handles_before_[h].state != HandleFrame::free)
+        statistics.driven =
+            std::max(statistics.driven, (frame.handles[h].keyed - handles_before_[h].keyed).norm());
+    double by_colliders = 0;
+    if (const auto& colliders = bake_.plan.shots[sheet_].colliders)
+      for (int now = frame_before_ + 1; now <= frame.frame; ++now)
+        by_colliders += farthest_move(*colliders, now - bake_.plan.animation.first_frame);
+    statistics.driven = std::max(statistics.driven, by_colliders);
+  }
+  samples_before_ = std::move(samples);
+  frame_before_ = frame.frame;
 }
 
 /// A stored energy is a sum of squares. And paper whose handles move does not stand still to the

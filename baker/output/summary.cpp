@@ -2,6 +2,7 @@
 
 #include "baker/job/version.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/leaps.h"
 #include "baker/output/twin_verdict.h"
 #include "formats/files/json.h"
 
@@ -246,6 +247,16 @@ Json twin_json(const std::vector<FrameRecord>& frames) {
           {"frame_of_largest", verdict->frame_of_largest}};
 }
 
+Json leaps_json(const std::vector<FrameRecord>& frames, const BakePlan& plan) {
+  Json leaps = Json::array();
+  for (const Leap& leap : find_leaps(frames, plan))
+    leaps.push_back({{"frame", leap.frame},
+                     {"sheet", leap.sheet},
+                     {"moved_mm", 1e3 * leap.moved},
+                     {"around_mm", 1e3 * leap.around}});
+  return leaps;
+}
+
 Json impossible_handles(const BakePlan& plan) {
   Json impossible = Json::array();
   for (const UnreachablePairOfSheet& i : plan.impossible)
@@ -300,6 +311,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
        {"jammed_frames", jammed},
        {"impossible_handles", impossible_handles(plan)},
        {"twin", twin_json(frames)},
+       {"leaps", leaps_json(frames, plan)},
        {"gates_missed", ending.missed_gates},
        {"exit_code", ending.exit_code},
        {"failure", ending.failure.empty() ? Json() : Json(ending.failure)},

@@ -36,6 +36,9 @@ struct FrameStatistics {
   int crossings = 0;            // pairs of its triangles that pass through each other
   // pairs of one of its triangles and one of a sheet before it in the scene that do
   int crossings_with_others = 0;
+  // since the frame before that is recorded; 0 in the first
+  double moved = 0;   // [m] root mean square over the sheet
+  double driven = 0;  // [m] farthest way of what drives it: of a handle or of a collider
 
   // of what is handed on; of the simulated mesh where nothing is
   double inside = 0;  // [m] how deep its deepest point is inside a collider
@@ -206,6 +209,8 @@ constexpr void visit_frame_statistics(Visit&& visit) {
             .in(milliseconds)
             .summarized_as(spread)
             .drawn_as({"geometry", 4, Curve::sum}));
+  visit(number(&S::moved, "moved_mm").in(millimetres).summarized_as(spread));
+  visit(number(&S::driven, "driven_mm").in(millimetres));
   visit(number(&S::inertia, "inertia"));
   visit(number(&S::substeps, "substeps"));
   visit(number(&S::newton_iterations, "newton_iterations").summarized_as(spread));

@@ -1,0 +1,83 @@
+#include "baker/output/leaps.h"
+
+#include "core/model/pattern.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+constexpr double visible = 0.02;       // [1] of the longer side
+constexpr double sudden = 3;           // [1] times the motion in the frames beside it
+constexpr double slow_drive = 1e-4;    // [m] within a frame: as good as none
+constexpr double slow_motion = 0.001;  // [1] of the longer side within a frame: the same of a sheet
+
+using Frames = std::vector<const FrameRecord*>;  // of one sheet
+
+/// Those that a frame is compared with. In the first there is no motion to compare with.
+Frames beside(const Frames& frames, std::size_t k) {
+  Frames others;
+  const auto add = [&](std::size_t other) {
+    if (other > 0 && other < frames.size()) others.push_back(frames[other]);
+  };
+  if (frames[k]->statistics.inertia || k == 1)
+    for (const std::size_t other : {k - 1, k + 1}) add(other);
+  else
+    for (const std::size_t other : {k - 1, k - 2}) add(other);
+  return others;
+}
+
+void add_leaps(const Frames& frames, double side, std::vector<Leap>& leaps) {
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const FrameStatistics& now = frames[k]->statistics;
+    if (now.moved <= std::max(visible * side, now.driven) || now.touching_others > 0) continue;
+    double around = 0, drive = slow_drive;
+    for (const FrameRecord* other : beside(frames, k)) {
+      around = std::max(around, other->statistics.moved);
+      drive = std::max(drive, other->statistics.driven);
+    }
+    if (now.moved >
+        sudden * std::max(1.0, now.driven / drive) * std::max(around, slow_motion * side))
+      leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around});
+  }
+}
+
+}  // namespace
+
+std::vector<Leap> find_leaps(const std::vector<FrameRecord>& frames, const BakePlan& plan) {
+  std::vector<Leap> leaps;
+  for (const Shot& shot : plan.shots) {
+    Frames of_sheet;
+    for (const FrameRecord& f : frames)
+      if (f.sheet == shot.sheet_name) of_sheet.push_back(&f);
+    add_leaps(of_sheet, longer_side(shot.pattern), leaps);
+  }
+  std::stable_sort(leaps.begin(), leaps.end(),
+                   [](const Leap& a, const Leap& b) { return a.frame < b.frame; });
+  return leaps;
+}
+
+std::string describe(const std::vector<Leap>& leaps) {
+  if (leaps.empty()) return "";
+  const Leap& longest = *std::max_element(
+      leaps.begin(), leaps.end(), [](const Leap& a, const Leap& b) { return a.moved < b.moved; });
+  std::string sentence = fmt::format(
+      "in frame {} the sheet \"{}\" leaps by {:.1f} mm, where it moves by {:.1f} mm in the frames "
+      "beside it and nothing drives it so fast",
+      longest.frame, longest.sheet, 1e3 * longest.moved, 1e3 * longest.around);
+  if (leaps.size() > 1) {
+    std::vector<std::string> others;
+    for (const Leap& leap : leaps)
+      if (&leap != &longest) others.push_back(std::to_string(leap.frame));
+    constexpr std::size_t most = 6;
+    const bool all = others.size() <= most;
+    others.resize(std::min(most, others.size()));
+    sentence += fmt::format("; frame{} {}{} {} like it", leaps.size() == 2 ? "" : "s",
+                            fmt::join(others, ", "), all ? "" : " and more",
+                            leaps.size() == 2 ? "is" : "are");
+  }
+  return sentence + ". If it shows, try more --base-triangles, or slower keys.";
+}
+
+}  // namespace paperbake
