@@ -156,7 +156,7 @@ TEST(RefinedAnimationTest, ASheetThatEndsInsideAColliderIsHandedOnUnpolishedWith
   const auto frames = polished(shot, last, how, base),
              rough = marched(shot, coarse(shot, base), last);
   ASSERT_EQ(rough.at(last).frame.statistics.on_colliders, 0);
-  EXPECT_NE(frames.at(last).frame.note.find("inside a collider"), std::string::npos);
+  ASSERT_NE(frames.at(last).frame.note.find("inside a collider"), std::string::npos);
   EXPECT_TRUE(frames.at(last).sheet.x == rough.at(last).sheet.x);
   EXPECT_EQ(frames.at(12).frame.note.find("not polished"), std::string::npos);
 }
