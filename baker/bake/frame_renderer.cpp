@@ -1,28 +1,15 @@
 #include "baker/bake/frame_renderer.h"
 
+#include "baker/bake/push_out_of_colliders.h"
 #include "baker/bake/task_queue.h"
 #include "core/animation/cpu_clock.h"
 #include "core/geometry/collider_motion.h"
-#include "core/geometry/point_location.h"
-#include "core/geometry/surface_transfer.h"
-#include "core/step1_elastic/elastic.h"
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 
 namespace paperbake {
-namespace {
-
-/// Whether a collider reaches into the box round the points.
-bool may_touch(const ColliderShapes& shapes, const Points3& x) {
-  const Vector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
-  bool any = false;
-  for (const auto& shape : shapes) shape->near_triangles(low, high, 0, [&](int) { any = true; });
-  return any;
-}
-
-}  // namespace
-
 FrameRenderer::FrameRenderer(const std::vector<RenderInput>& inputs,
                              std::vector<RenderSurface>& surfaces, const RenderOptions& options)
     : inputs_(inputs),
@@ -125,50 +112,63 @@ FrameOfSheets FrameRenderer::render(std::size_t k,
     untangler_.keep_apart(rendered.frames, simulated);
   }
   const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, shapes.size());
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    const double start_ms = cpu_ms();
-    if (push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x))
-      surfaces_[s].shade(rendered.frames[s]);
-    ms[s] += each_ms + cpu_ms() - start_ms;
-  }
+  for (double& of_sheet : ms) of_sheet += each_ms;
+  const bool among_colliders =
+      std::any_of(inputs_.begin(), inputs_.end(),
+                  [](const RenderInput& input) { return input.shot->colliders != nullptr; });
+  if (among_colliders) clear_colliders(k, simulated, rendered.frames, ms);
   if (wanted_.contains(inputs_.front().record->frames()[k].frame))
     rendered.verdicts = judge(k, rendered.frames, ms);
   return rendered;
 }
 
-bool FrameRenderer::push_out_of_colliders(std::size_t s, std::size_t k,
-                                          const SheetUntangler::Simulated& simulated,
-                                          Points3& x) const {
+void FrameRenderer::clear_colliders(std::size_t k,
+                                    const std::vector<SheetUntangler::Simulated>& simulated,
+                                    std::vector<RenderFrame>& frames,
+                                    std::vector<double>& ms) const {
   const StageClock::Part part(clock_, Stage::keep_apart);
-  const auto& colliders = inputs_[s].shot->colliders;
-  if (!colliders) return false;
-  const auto& frames = inputs_[s].record->frames();
-  Points3 on_triangles = x;  // vertices of a finer mesh, in the middle of edges, are near enough
-  for (std::size_t v = 0; v < simulated.places->size(); ++v)
-    on_triangles.row(v) =
-        interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
-  const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
-  // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
-  Points3 outside = on_triangles;
-  if (push_out(shapes, on_triangles, 0, outside) > give_way_depth) return false;
-  const std::vector<char>& held = surfaces_[s].is_held();
-  // vertices first, then edges and triangles: a corner of the collider stands between vertices
-  std::optional<ColliderClearance> clearance;
-  if (may_touch(shapes, x))
-    clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_triangles);
-  if (clearance && clearance->begins_inside() > give_way_depth) return false;
-  // lengths that are wrong after this are restored, as far as the sheet stays outside
-  constexpr int max_turns = 8;
-  constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
-  for (int turn = 0;; ++turn) {
-    const Points3 before = x;
-    double pushed = push_out(shapes, on_triangles, 0, x);
-    for (int v = 0; v < x.rows(); ++v)
-      if (held[v]) x.row(v) = before.row(v);
-    if (clearance) pushed = std::max(pushed, clearance->push_out(held, x));
-    if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
-    surfaces_[s].limit_strain(x);
+  const std::vector<RenderFrame> before = frames;
+  std::vector<char> changed(frames.size(), 0);
+  const auto push_out = [&](std::size_t s, double clearance) {
+    const double start_ms = cpu_ms();
+    const Shot& shot = *inputs_[s].shot;
+    const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
+    frames[s].x = before[s].x;
+    changed[s] = push_out_of_colliders(
+        {surfaces_[s], *shot.colliders, recorded[k].frame - recorded.front().frame, simulated[s]},
+        clearance, frames[s].x);
+    if (changed[s]) count_crossings(s, frames[s]);
+    ms[s] += cpu_ms() - start_ms;
+  };
+  // what is lifted by so much that it lies on a collider may meet the next layer or sheet: rather
+  // than that it stays, with half its thickness inside
+  for (std::size_t s = 0; s < frames.size(); ++s) {
+    if (!inputs_[s].shot->colliders) continue;
+    push_out(s, inputs_[s].shot->paper.thickness / 2);
+    if (changed[s] && frames[s].counted.crossings > 0 &&
+        frames[s].counted.crossings > surfaces_[s].crossings(as_stored(before[s].x)))
+      push_out(s, 0);
   }
+  if (std::find(changed.begin(), changed.end(), 1) == changed.end()) return;
+  if (const int now = crossings_between_sheets(frames);
+      now > 0 && now > crossings_between_sheets(before))
+    for (std::size_t s = 0; s < frames.size(); ++s)
+      if (changed[s]) push_out(s, 0);
+  for (std::size_t s = 0; s < frames.size(); ++s)
+    if (changed[s]) surfaces_[s].shade(frames[s]);
+}
+
+void FrameRenderer::count_crossings(std::size_t s, RenderFrame& frame) const {
+  frame.counted.x = as_stored(frame.x);
+  frame.counted.crossings = surfaces_[s].crossings(frame.counted.x);
+}
+
+int FrameRenderer::crossings_between_sheets(const std::vector<RenderFrame>& frames) const {
+  if (frames.size() < 2) return 0;
+  std::vector<Points3> stored;
+  for (const RenderFrame& frame : frames) stored.push_back(as_stored(frame.x));
+  const std::vector<int> counts = untangler_.crossings(stored);
+  return std::accumulate(counts.begin(), counts.end(), 0);
 }
 
 std::vector<FrameOfSheets::Verdict> FrameRenderer::judge(std::size_t k,

@@ -49,10 +49,14 @@ class FrameRenderer {
   /// False while frames are pending in which other handles hold the sheet.
   bool start(std::size_t k);
   FrameOfSheets render(std::size_t k, const std::vector<ShapeCache::Sum>& shapes) const;
-  /// The curved surface stands out from its flat triangles: where they rest on a collider, into it.
-  /// returns  whether x was changed
-  bool push_out_of_colliders(std::size_t s, std::size_t k,
-                             const SheetUntangler::Simulated& simulated, Points3& x) const;
+  /// Pushes the sheets of a frame out of colliders, so far that they lie on them: the surface is
+  /// the middle of the paper. Where that would put one through itself or another, only as far as
+  /// nothing is inside.
+  /// ms  of each sheet; what it takes is added
+  void clear_colliders(std::size_t k, const std::vector<SheetUntangler::Simulated>& simulated,
+                       std::vector<RenderFrame>& frames, std::vector<double>& ms) const;
+  void count_crossings(std::size_t s, RenderFrame&) const;
+  int crossings_between_sheets(const std::vector<RenderFrame>&) const;
   /// ms  of each sheet
   std::vector<FrameOfSheets::Verdict> judge(std::size_t k, const std::vector<RenderFrame>& frames,
                                             const std::vector<double>& ms) const;

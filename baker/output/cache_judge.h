@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
+#include "core/geometry/judged_colliders.h"
 #include "core/geometry/measure.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
@@ -13,19 +13,6 @@
 #include <vector>
 
 namespace paperbake {
-
-/// The colliders of a scene as they are judged. Those that stand still are prepared for exact
-/// depths once.
-struct JudgedColliders {
-  explicit JudgedColliders(const std::vector<ColliderMesh>&);
-  explicit JudgedColliders(const Colliders&);
-
-  /// row  frame - first frame of the scene
-  ColliderPenetration deepest(int row, const Points3& x, const Triangles&) const;
-
-  std::vector<ColliderMesh> meshes;
-  std::vector<std::shared_ptr<const ColliderDepth>> depths;  // null for those that move
-};
 
 /// What a frame is worth, whoever made it.
 struct Judgement {

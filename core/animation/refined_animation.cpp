@@ -3,6 +3,7 @@
 #include "core/animation/cpu_clock.h"
 #include "core/animation/initial_sheet.h"
 #include "core/animation/refine_frame.h"
+#include "core/geometry/judged_colliders.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
 #include "core/model/pattern.h"
@@ -38,7 +39,9 @@ class PolishedShot {
       : shot_(shot),
         animation_(animation),
         options_(options),
-        regripped_(shot.handles.size(), Vector3d::Zero()) {}
+        regripped_(shot.handles.size(), Vector3d::Zero()) {
+    if (shot.colliders) colliders_.emplace(*shot.colliders);
+  }
 
   void add(const AnimatedFrame& frame) {
     record_.add(frame);
@@ -188,11 +191,23 @@ class PolishedShot {
       else if (result.polished->moved > elsewhere * longer_side(shot_.pattern) ||
                length_distortion(result.polished->sheet).largest > max_trusted_stretch)
         result.rejection = "it ends somewhere else";
+      else if (ends_deeper(rough, result.polished->sheet))  // which the fine mesh does not feel
+        result.rejection = "it ends inside a collider";
     } catch (const Error& error) {
       result.rejection = error.cause;
     }
     result.ms = cpu_ms() - start_ms;
     return result;
+  }
+
+  /// Whether a polished sheet lies in a collider, deeper than before.
+  bool ends_deeper(const CoarseFrame& rough, const Sheet& polished) const {
+    constexpr double exact_to = 2e-6;  // [m] ColliderDepth
+    if (!colliders_) return false;
+    const int row = rough.frame.frame - animation_.first_frame;
+    const double depth = colliders_->deepest(row, polished.x, polished.triangles).depth;
+    return depth > exact_to &&
+           depth > colliders_->deepest(row, rough.sheet.x, rough.sheet.triangles).depth + exact_to;
   }
 
   bool show(CoarseFrame& rough, const RefinementResult& attempt,
@@ -231,6 +246,7 @@ class PolishedShot {
   // [m] of each handle: displacement from where it took hold of the unpolished sheet to where it
   // takes hold of the polished one
   std::vector<Vector3d> regripped_;
+  std::optional<JudgedColliders> colliders_;  // none: the scene has none
 };
 
 }  // namespace

@@ -20,10 +20,10 @@ struct PolishOptions {
 ///
 /// A frame is handed on unpolished, and its note says so, when parts of the sheet come near each
 /// other (the fine mesh has no self-contact), when the sheet lies on a collider or moves with
-/// inertia, when it does not come to rest, or when it ends in another shape (a tenth of the longer
-/// side away, or torn). If that happens to most of the frames that are tried first, as in a
-/// crumple, none is polished. In a polished frame elastic_ms and newton_iterations are the sums
-/// over both methods, and the energies are those of the polished sheet.
+/// inertia, when it does not come to rest, or when it ends inside a collider or in another shape (a
+/// tenth of the longer side away, or torn). If that happens to most of the frames that are tried
+/// first, as in a crumple, none is polished. In a polished frame elastic_ms and newton_iterations
+/// are the sums over both methods, and the energies are those of the polished sheet.
 ///
 /// Several sheets are animated together and polished one by one. A frame in which a sheet touches
 /// another is handed on unpolished.

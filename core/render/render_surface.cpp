@@ -50,9 +50,10 @@ std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
                                                 const Triangles& triangles) const {
   const PointLocator locator(pattern, triangles);
   std::vector<MeshPoint> places;
-  places.reserve(coarse_.pattern.rows());
-  for (int v = 0; v < coarse_.pattern.rows(); ++v) {
-    const Vector2d p = coarse_.pattern.row(v);
+  const Points2& all = mesh().pattern;
+  places.reserve(all.rows());
+  for (int v = 0; v < all.rows(); ++v) {
+    const Vector2d p = all.row(v);
     MeshPoint place = locator.locate(p);
     const auto corner = [&](int i) -> Vector2d {
       return pattern.row(triangles(place.triangle, i));
@@ -142,10 +143,6 @@ Points3 RenderSurface::linear_positions(const Sheet& sheet,
   Points3 linear_positions(mesh().pattern.rows(), 3);
   for (std::size_t v = 0; v < places.size(); ++v)
     linear_positions.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
-  if (fine_)
-    for (std::size_t k = 0; k < fine_->middles.size(); ++k)
-      linear_positions.row(places.size() + k) = 0.5 * (linear_positions.row(fine_->middles[k].a) +
-                                                       linear_positions.row(fine_->middles[k].b));
   return linear_positions;
 }
 
@@ -161,19 +158,10 @@ std::vector<int> RenderSurface::intersecting_triangles(const Sheet& sheet,
       apart_->intersections(linear_positions(sheet, places));
   if (pairs.empty() || paperbake::crossings(sheet) > 0) return {};
   std::set<int> triangles;
-  const auto add = [&](int vertex) {
-    const int in_middle = vertex - static_cast<int>(places.size());
-    if (in_middle < 0) {
-      triangles.insert(places[vertex].triangle);
-      return;
-    }
-    triangles.insert(places[fine_->middles[in_middle].a].triangle);
-    triangles.insert(places[fine_->middles[in_middle].b].triangle);
-  };
   for (const auto& [a, b] : pairs)
     for (int i = 0; i < 3; ++i) {
-      add(mesh().triangles(a, i));
-      add(mesh().triangles(b, i));
+      triangles.insert(places[mesh().triangles(a, i)].triangle);
+      triangles.insert(places[mesh().triangles(b, i)].triangle);
     }
   return {triangles.begin(), triangles.end()};
 }

@@ -47,8 +47,8 @@ class RenderSurface {
     return (fine_normals_ ? *fine_normals_ : coarse_normals_).of_corner();
   }
 
-  /// Where the vertices lie on a simulated mesh; to be kept as long as that mesh does not change.
-  /// For a vertex outside it, as on a finer border, the nearest triangle is extended.
+  /// Where the vertices of mesh() lie on a simulated mesh; to be kept as long as that mesh does not
+  /// change. For a vertex outside it, as on a finer border, the nearest triangle is extended.
   std::vector<MeshPoint> locate_on(const Points2& pattern, const Triangles&) const;
 
   /// Says which of the points that the mesh was made for are held from now on. Must be called

@@ -322,8 +322,8 @@ ColliderClearance::ColliderClearance(std::shared_ptr<const Colliders> colliders,
 
 ColliderClearance::~ColliderClearance() = default;
 
-double ColliderClearance::push_out(const std::vector<char>& held, Points3& x) {
-  return contact_->push_out(held, x);
+void ColliderClearance::push_out(const std::vector<char>& held, double clearance, Points3& x) {
+  contact_->push_out(held, clearance, x);
 }
 
 }  // namespace paperbake

@@ -291,11 +291,13 @@ class ColliderClearance {
   /// [m] How deep it has been cut by open colliders where it begins: it has been jammed there.
   double begins_inside() const { return begins_inside_; }
 
-  /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
-  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere.
-  /// held     |V| vertices that stay
-  /// returns  [m] depth of the deepest contact point
-  double push_out(const std::vector<char>& held, Points3& x);
+  /// Moves the corners of every vertex, edge and triangle that is inside a collider, or closer to
+  /// it than `clearance`, each by its share of the way out. One pass: what is pushed out may be
+  /// pushed in elsewhere.
+  /// held       |V| vertices that stay. The rest of an edge or a triangle makes up for them inside
+  ///            a collider, but goes no farther than `clearance` outside of it.
+  /// clearance  [m] less than collider_dhat
+  void push_out(const std::vector<char>& held, double clearance, Points3& x);
 
  private:
   std::unique_ptr<ColliderContact> contact_;

@@ -348,8 +348,7 @@ void ColliderContact::find_sides(const Points3& y) {
   }
 }
 
-double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
-  double deepest = 0;
+void ColliderContact::push_out(const std::vector<char>& held, double clearance, Points3& y) {
   find_sides(y);
   std::vector<ContactPoint> within;
   for (std::size_t c = 0; c < states_.size(); ++c) {
@@ -357,22 +356,24 @@ double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
     for (const int k : states_[c].close) {
       within.clear();
       touches_of(c, states_[c].features[k], y, [&](const ContactPoint& touch) {
-        if (touch.distance < 0) within.push_back(touch);
+        if (touch.distance < clearance) within.push_back(touch);
       });
       for (const ContactPoint& touch : within) {
-        deepest = std::max(deepest, -touch.distance);
         double free = 0;
         for (int i = 0; i < touch.corners; ++i)
           if (!held[touch.vertices[i]]) free += touch.weights[i] * touch.weights[i];
         if (free == 0) continue;
-        for (int i = 0; i < touch.corners; ++i)
-          if (!held[touch.vertices[i]])
-            y.row(touch.vertices[i]) -=
-                touch.weights[i] / free * touch.distance * touch.normal.transpose();
+        const double out = std::max(0.0, -touch.distance),
+                     on = clearance - std::max(0.0, touch.distance);
+        for (int i = 0; i < touch.corners; ++i) {
+          if (held[touch.vertices[i]]) continue;
+          const double share = touch.weights[i] / free;
+          y.row(touch.vertices[i]) +=
+              (share * out + std::min(1.0, share) * on) * touch.normal.transpose();
+        }
       }
     }
   }
-  return deepest;
 }
 
 double ColliderContact::inside(const Points3& y) {

@@ -55,12 +55,14 @@ class ColliderContact {
   double differentiate(const Points3& y, const std::vector<int>& block_of, Points3& gradient,
                        BlockCholesky* matrix);
 
-  /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
-  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere. Vertices have
+  /// Moves the corners of every vertex, edge and triangle that is inside a collider, or closer to
+  /// it than `clearance`, each by its share of the way out. One pass: what is pushed out may be
+  /// pushed in elsewhere. Vertices have
   /// come in a straight line from where the step begins.
-  /// held     |V| vertices that stay
-  /// returns  [m] depth of the deepest contact point
-  double push_out(const std::vector<char>& held, Points3& y);
+  /// held       |V| vertices that stay. The rest of an edge or a triangle makes up for them inside
+  ///            a collider, but goes no farther than `clearance` outside of it.
+  /// clearance  [m] less than collider_dhat
+  void push_out(const std::vector<char>& held, double clearance, Points3& y);
 
   int touching(const Points3& y);   // number of active contacts
   double inside(const Points3& y);  // [m] depth of the deepest contact point; 0: none is inside

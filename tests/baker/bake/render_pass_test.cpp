@@ -1,5 +1,7 @@
 #include "baker/bake/render_pass.h"
 
+#include "tests/core/collider_meshes.h"
+#include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -100,6 +102,107 @@ TEST(RenderPassTest, WithoutFeaturesTheMeshHasNoVertexAtASingularPoint) {
   };
   EXPECT_LT(distance(MeshFeatures::all), 1e-9);
   EXPECT_GT(distance(MeshFeatures::handles), 1e-6);
+}
+
+/// A sheet bent downwards like a gutter, in five flat strips; the lowest lies 0.01 mm above z = 0.
+Sheet gutter() {
+  constexpr double radius = 0.05;
+  Sheet sheet;
+  sheet.pattern.resize(12, 2);
+  sheet.x.resize(12, 3);
+  sheet.triangles.resize(10, 3);
+  for (int v = 0; v < 12; ++v) {
+    sheet.pattern.row(v) << size / 5 * (v / 2), size * (v % 2);
+    const double angle = (sheet.pattern(v, 0) - size / 2) / radius;
+    sheet.x.row(v) << radius * std::sin(angle), sheet.pattern(v, 1), radius * (1 - std::cos(angle));
+  }
+  sheet.x.col(2).array() += 1e-5 - sheet.x.col(2).minCoeff();
+  for (int k = 0; k < 5; ++k) {
+    sheet.triangles.row(2 * k) << 2 * k, 2 * k + 2, 2 * k + 3;
+    sheet.triangles.row(2 * k + 1) << 2 * k, 2 * k + 3, 2 * k + 1;
+  }
+  return sheet;
+}
+
+/// The sheets are rendered as they are, the first as paper of this thickness [m].
+std::vector<RenderedSheet> rendered_among(const std::vector<ColliderMesh>& colliders,
+                                          const std::vector<Sheet>& sheets, Quality quality,
+                                          double thickness = Paper().thickness) {
+  Shot shot = test::blank_shot(test::rectangle(size, size));
+  shot.colliders = test::all(colliders);
+  Shot first = shot;
+  first.paper.thickness = thickness;
+  std::vector<ShotRecord> records(sheets.size());
+  std::vector<RenderInput> inputs;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    AnimatedFrame frame;
+    frame.frame = 1;
+    frame.sheet = &sheets[s];
+    records[s].add(frame);
+    inputs.push_back({&records[s], s == 0 ? &first : &shot});
+  }
+  RenderPass pass(inputs, {quality, {1, 1, 1}, 24, 1});
+  EXPECT_TRUE(pass.next());
+  return pass.sheets();
+}
+
+/// The curved surface of the gutter hangs below its flat triangles.
+TEST(RenderPassTest, PaperIsPushedOutOfAColliderByHalfItsThicknessInEveryQuality) {
+  const double half_thickness = Paper().thickness / 2;
+  const double free = rendered_among({test::box({1, 1, 1}, {2, 2, 2})}, {gutter()}, Quality::hero)
+                          .front()
+                          .mesh.x.col(2)
+                          .minCoeff();
+  ASSERT_LT(free, -2e-4) << "nothing has to be pushed out";
+  for (const Quality quality : {Quality::draft, Quality::shot, Quality::hero}) {
+    const RenderedSheet sheet = rendered_among({test::ground()}, {gutter()}, quality).front();
+    // some is lost where lengths are restored
+    EXPECT_GT(sheet.mesh.x.col(2).minCoeff(), 0.2 * half_thickness);
+    EXPECT_LT(sheet.mesh.x.col(2).minCoeff(), 1.1 * half_thickness);
+    EXPECT_EQ(sheet.judgement.inside, 0);
+    EXPECT_LT(sheet.statistics.stretch_max, 0.03);
+  }
+}
+
+Sheet flat_at(double z) {
+  Sheet sheet = test::hex_sheet(size, size, 10);
+  sheet.x.setZero();
+  sheet.x.leftCols<2>() = sheet.pattern;
+  sheet.x.col(2).setConstant(z);
+  return sheet;
+}
+
+TEST(RenderPassTest, PaperThatIsNearerToAColliderThanHalfItsThicknessIsLifted) {
+  const double half_thickness = Paper().thickness / 2;
+  const auto height = [](double z) {
+    return rendered_among({test::ground()}, {flat_at(z)}, Quality::draft)
+        .front()
+        .mesh.x.col(2)
+        .eval();
+  };
+  EXPECT_LT((height(1e-5).array() - half_thickness).abs().maxCoeff(), 1e-9);
+  EXPECT_LT((height(2e-4).array() - 2e-4).abs().maxCoeff(), 1e-9) << "it does not touch";
+}
+
+TEST(RenderPassTest, BetweenPlatesWithoutRoomForItsThicknessPaperIsInsideOfNeither) {
+  const double gap = 2e-5;
+  const auto lid = test::box({-1, -1, gap}, {1, 1, 0.01});
+  const RenderedSheet sheet =
+      rendered_among({test::ground(), lid}, {flat_at(gap / 2)}, Quality::draft).front();
+  EXPECT_GT(sheet.mesh.x.col(2).minCoeff(), 1e-6);
+  EXPECT_LT(sheet.mesh.x.col(2).maxCoeff(), gap - 1e-6);
+}
+
+/// A thick sheet would be lifted by 0.15 mm, through a thin one that slopes up from it.
+TEST(RenderPassTest, PaperIsNotLiftedThroughTheSheetThatLiesOnIt) {
+  Sheet upper = flat_at(6e-5);
+  for (int v = 0; v < upper.x.rows(); ++v) upper.x(v, 2) += 3e-3 * upper.pattern(v, 0);
+  const auto sheets =
+      rendered_among({test::ground()}, {flat_at(5e-6), upper}, Quality::draft, 3e-4);
+  for (const RenderedSheet& sheet : sheets) {
+    EXPECT_EQ(sheet.statistics.crossings_with_others, 0);
+    EXPECT_EQ(sheet.judgement.inside, 0);
+  }
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "core/animation/refined_animation.h"
 
 #include "core/geometry/measure.h"
+#include "core/geometry/point_location.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
+#include "tests/core/collider_meshes.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -29,15 +31,19 @@ AnimateOptions until(int frame) {
   options.last_frame = frame;
   return options;
 }
-MethodChoice coarse(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 90, {}, 0, 0); }
+MethodChoice coarse(const Shot& shot, int base_triangles = 90) {
+  return hybrid(shot.pattern, shot.paper, base_triangles, {}, 0, 0);
+}
 
-std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& how) {
+std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& how,
+                              int base_triangles = 90) {
   std::map<int, Frame> frames;
-  animate_polished(shot, coarse(shot), until(last), how, [&](const AnimatedFrame& f) {
-    EXPECT_FALSE(f.state) << "the simulation of this frame has gone on";
-    frames[f.frame] = {f, *f.sheet};
-    return true;
-  });
+  animate_polished(shot, coarse(shot, base_triangles), until(last), how,
+                   [&](const AnimatedFrame& f) {
+                     EXPECT_FALSE(f.state) << "the simulation of this frame has gone on";
+                     frames[f.frame] = {f, *f.sheet};
+                     return true;
+                   });
   return frames;
 }
 std::map<int, Frame> marched(const Shot& shot, const MethodChoice& method, int last) {
@@ -124,6 +130,35 @@ TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote)
     EXPECT_TRUE(frame.sheet.x == rough.at(f).sheet.x) << f;
   }
   EXPECT_GT(touching, 0);
+}
+
+/// The polished arch is higher than the coarse one, and a peg stands in its way that the coarse one
+/// does not reach.
+TEST(RefinedAnimationTest, ASheetThatEndsInsideAColliderIsHandedOnUnpolishedWithANote) {
+  Shot shot = test::s1_push();
+  constexpr int last = 24, base = 12;
+  const PolishOptions how = triangles(400);
+  const Sheet fine = polished(shot, last, how, base).at(last).sheet,
+              low = marched(shot, coarse(shot, base), last).at(last).sheet;
+  const PointLocator locator(low.pattern, low.triangles);
+  Vector3d top(0, 0, 0);
+  double higher = 0;
+  for (int v = 0; v < fine.x.rows(); ++v)
+    if (const double by = fine.x(v, 2) -
+                          interpolate(locator.locate(fine.pattern.row(v)), low.triangles, low.x)[2];
+        by > higher) {
+      higher = by;
+      top = fine.x.row(v);
+    }
+  ASSERT_GT(higher, 7e-4) << "the coarse sheet feels the peg";
+  shot.colliders =
+      test::all({test::box(top - Vector3d(1e-4, 1e-4, 5e-5), top + Vector3d(1e-4, 1e-4, 0.02))});
+  const auto frames = polished(shot, last, how, base),
+             rough = marched(shot, coarse(shot, base), last);
+  ASSERT_EQ(rough.at(last).frame.statistics.on_colliders, 0);
+  ASSERT_NE(frames.at(last).frame.note.find("inside a collider"), std::string::npos);
+  EXPECT_TRUE(frames.at(last).sheet.x == rough.at(last).sheet.x);
+  EXPECT_EQ(frames.at(12).frame.note.find("not polished"), std::string::npos);
 }
 
 }  // namespace

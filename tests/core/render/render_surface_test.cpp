@@ -1,6 +1,7 @@
 #include "core/render/render_surface.h"
 
 #include "core/geometry/measure.h"
+#include "core/geometry/point_location.h"
 #include "core/render/shot_record.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -74,6 +75,25 @@ TEST(RenderSurfaceTest, StaysWithinTheChordErrorOfTheSimulatedSheet) {
   EXPECT_GT(most, 0.5 * sagitta);
   // plus what the lengths of the arc need and the chords did not have
   EXPECT_LT(most, 1.5 * sagitta);
+}
+
+/// The middle of an edge, too, which hero adds: halfway between its ends it would lie under a bend.
+TEST(RenderSurfaceTest, EveryVertexHasItsPlaceOnTheFlatTrianglesOfTheSimulatedSheet) {
+  const Sheet sheet = coarse_roll();
+  const PointLocator locator(sheet.pattern, sheet.triangles);
+  for (const Quality quality : {Quality::shot, Quality::hero}) {
+    const Rendered r = rendered(sheet, quality);
+    const Points2& pattern = r.render.mesh().pattern;
+    const auto places = r.render.locate_on(sheet.pattern, sheet.triangles);
+    ASSERT_EQ(static_cast<Eigen::Index>(places.size()), pattern.rows());
+    const Points3 linear = r.render.linear_positions(sheet, places);
+    for (int v = 0; v < pattern.rows(); ++v) {
+      if (pattern.row(v).minCoeff() < 0.005 || pattern.row(v).maxCoeff() > 0.095) continue;
+      const Vector3d on_triangle =
+          interpolate(locator.locate(pattern.row(v)), sheet.triangles, sheet.x);
+      ASSERT_LT((linear.row(v).transpose() - on_triangle).norm(), 1e-9) << v;
+    }
+  }
 }
 
 TEST(RenderSurfaceTest, HandlesAreWhereTheyAreHeld) {

@@ -250,7 +250,7 @@ TEST(ColliderClearanceTest, AnEdgeThatHangsOverARimIsLiftedOntoIt) {
   x.col(2).array() -= 5e-4;  // 0.3 mm below the rim
   ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one_triangle(), outside);
   EXPECT_LT(clearance.begins_inside(), 1e-9);
-  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
+  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, 0, x);
   EXPECT_GT(0.5 * (x(0, 2) + x(1, 2)), -1e-6);
   EXPECT_LT((x - outside).rowwise().norm().maxCoeff(), 1e-3);
   // a sheet that the wall has been through begins inside
@@ -271,7 +271,7 @@ TEST(ColliderClearanceTest, ATriangleThatHangsOverACornerIsLiftedOntoIt) {
   Points3 x = outside;
   x.col(2).array() -= 5e-4;
   ColliderClearance clearance(colliders, shapes_at(*colliders, 0), one_triangle(), outside);
-  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, x);
+  for (int k = 0; k < 20; ++k) clearance.push_out({0, 0, 0}, 0, x);
   EXPECT_NEAR(x.col(2).mean(), 0, 1e-6);  // above the corner
 }
 
