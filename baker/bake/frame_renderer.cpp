@@ -135,7 +135,7 @@ void FrameRenderer::clear_colliders(std::size_t k,
     const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
     frames[s].x = before[s].x;
     changed[s] = push_out_of_colliders(
-        {surfaces_[s], *shot.colliders, recorded[k].frame - recorded.front().frame, simulated[s]},
+        {surfaces_[s], shot.colliders, recorded[k].frame - recorded.front().frame, simulated[s]},
         clearance, frames[s].x);
     if (changed[s]) count_crossings(s, frames[s]);
     ms[s] += cpu_ms() - start_ms;

@@ -3,7 +3,6 @@
 #include "core/step1_elastic/elastic.h"
 
 #include <cmath>
-#include <memory>
 #include <optional>
 
 namespace paperbake {
@@ -33,7 +32,7 @@ double keep_held(const std::vector<char>& held, const Points3& before, Points3& 
 
 bool push_out_of_colliders(const SheetAmongColliders& sheet, double clearance, Points3& x) {
   const RenderSurface& surface = sheet.surface;
-  const ColliderShapes shapes = shapes_at(sheet.colliders, sheet.row);
+  const ColliderShapes shapes = shapes_at(*sheet.colliders, sheet.row);
   const Points3 on_triangles =
       surface.linear_positions(sheet.simulated.sheet, *sheet.simulated.places);
   Points3 outside = on_triangles;
@@ -41,8 +40,7 @@ bool push_out_of_colliders(const SheetAmongColliders& sheet, double clearance, P
   // vertices first, then edges and triangles: a corner of the collider stands between vertices
   std::optional<ColliderClearance> features;
   if (may_touch(shapes, x, clearance))
-    features.emplace(std::shared_ptr<const Colliders>(std::shared_ptr<void>(), &sheet.colliders),
-                     shapes, surface.mesh().triangles, on_triangles);
+    features.emplace(sheet.colliders, shapes, surface.mesh().triangles, on_triangles);
   if (features && features->begins_inside() > give_way_depth) return false;
   constexpr int max_turns = 8;
   constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn

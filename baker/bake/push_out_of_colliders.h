@@ -4,12 +4,14 @@
 #include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
 
+#include <memory>
+
 namespace paperbake {
 
 /// A rendered sheet in a frame, and what it may not pass.
 struct SheetAmongColliders {
   const RenderSurface& surface;
-  const Colliders& colliders;
+  const std::shared_ptr<const Colliders>& colliders;
   int row;  // frame - first frame of the scene
   const SheetUntangler::Simulated& simulated;
 };

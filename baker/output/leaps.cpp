@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace paperbake {
 namespace {
@@ -39,7 +40,7 @@ void add_leaps(const Frames& frames, double side, std::vector<Leap>& leaps) {
     }
     if (now.moved >
         sudden * std::max(1.0, now.driven / drive) * std::max(around, slow_motion * side))
-      leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around});
+      leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0});
   }
 }
 
@@ -58,7 +59,10 @@ std::vector<Leap> find_leaps(const std::vector<FrameRecord>& frames, const BakeP
   return leaps;
 }
 
-std::string describe(const std::vector<Leap>& leaps) {
+std::string describe(const std::vector<Leap>& all_leaps) {
+  std::vector<Leap> leaps;
+  std::copy_if(all_leaps.begin(), all_leaps.end(), std::back_inserter(leaps),
+               [](const Leap& leap) { return !leap.crumpled; });
   if (leaps.empty()) return "";
   const Leap& longest = *std::max_element(
       leaps.begin(), leaps.end(), [](const Leap& a, const Leap& b) { return a.moved < b.moved; });

@@ -12,8 +12,9 @@ namespace paperbake {
 struct Leap {
   int frame = 0;
   std::string sheet;
-  double moved = 0;   // [m] root mean square
-  double around = 0;  // [m] the same in the frames that it is compared with, at most
+  double moved = 0;       // [m] root mean square
+  double around = 0;      // [m] the same in the frames that it is compared with, at most
+  bool crumpled = false;  // the sheet has singular points by then
 };
 
 /// The leaps of all sheets, in order of their frames. The sheet, which touches no other, moves
@@ -29,7 +30,8 @@ struct Leap {
 /// frames  in order; several sheets may take turns
 std::vector<Leap> find_leaps(const std::vector<FrameRecord>& frames, const BakePlan&);
 
-/// One sentence with the longest of them, and how many there are. Empty: there is none.
+/// One sentence with the longest of them, and how many there are. Empty: there is none. Crumpled
+/// paper snaps from facet to facet: there nothing is said.
 std::string describe(const std::vector<Leap>&);
 
 }  // namespace paperbake

@@ -57,8 +57,7 @@ class ColliderContact {
 
   /// Moves the corners of every vertex, edge and triangle that is inside a collider, or closer to
   /// it than `clearance`, each by its share of the way out. One pass: what is pushed out may be
-  /// pushed in elsewhere. Vertices have
-  /// come in a straight line from where the step begins.
+  /// pushed in elsewhere. Vertices have come in a straight line from where the step begins.
   /// held       |V| vertices that stay. The rest of an edge or a triangle makes up for them inside
   ///            a collider, but goes no farther than `clearance` outside of it.
   /// clearance  [m] less than collider_dhat

@@ -72,6 +72,10 @@ TEST(LeapsTest, TheSentenceNamesTheLongest) {
             "frames beside it and nothing drives it so fast; frame 3 is like it. If it shows, try "
             "more --base-triangles, or slower keys.");
   EXPECT_EQ(describe(std::vector<Leap>()), "");
+  Moved crumpled = twice;
+  for (FrameRecord& f : crumpled.frames) f.statistics.singular = 3;
+  EXPECT_EQ(crumpled.leaps().size(), 2u);
+  EXPECT_EQ(describe(find_leaps(crumpled.frames, crumpled.plan)), "") << "crumples snap";
 }
 
 }  // namespace
