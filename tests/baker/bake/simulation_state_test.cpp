@@ -63,8 +63,9 @@ INSTANTIATE_TEST_SUITE_P(
     Samples, SimulationStateTest,
     testing::Values(Case{"F2_half", 90, {30, 47, 60, 75}}, Case{"F6_pinch", 66, {47, 61, 58}},
                     Case{"F7_corners", 68, {60, 64}}, Case{"G2_poster", 40, {12, 30}},
-                    Case{"G6_book", 24, {8, 17}}, Case{"S5_roll", 60, {15, 40, 52}, 9.81},
-                    Case{"S11_palm", 36, {12, 28}}, Case{"S12_sphere", 30, {8, 20}}),
+                    Case{"G4_grades", 24, {2, 12, 19}}, Case{"G6_book", 24, {8, 17}},
+                    Case{"S5_roll", 60, {15, 40, 52}, 9.81}, Case{"S11_palm", 36, {12, 28}},
+                    Case{"S12_sphere", 30, {8, 20}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(SimulationStateTest, GoesOnAsIfItHadNeverStopped) {

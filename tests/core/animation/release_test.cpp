@@ -219,8 +219,18 @@ TEST(ReleaseTest, ASheetModelledInAShapeThatDoesNotBearItsWeightTakesSeveralFram
   EXPECT_LT(max_row_norm(falls.shapes[0].back().x - drops.shapes[0].back().x), 2e-3)
       << "it swings about the same equilibrium";
 
-  // modelled as it hangs, it stays
+  // no mesh that it gets on its way makes it swing, either
+  const auto on_changing_meshes = [](const Shot& s, std::size_t) {
+    return hybrid(s.pattern, s.paper, 120, {}, 0, 0);
+  };
   options.release_inertia = ReleaseInertia::automatic;
+  const Outcome sinks = test::outcome_of({shot}, on_changing_meshes, options);
+  std::vector<double> height;  // [m] of its end
+  for (const Sheet& sheet : sinks.shapes[0]) height.push_back(sheet.x.col(2).minCoeff());
+  EXPECT_NE(sinks.shapes[0].back().x.rows(), sinks.shapes[0].front().x.rows());
+  EXPECT_GT(*std::min_element(height.begin(), height.end()), height.back() - 2e-3);
+
+  // modelled as it hangs, it stays
   shot.start = drops.shapes[0].back();
   const Outcome hangs = test::outcome_of({shot}, fine_fem, options);
   EXPECT_LT(farthest_in_a_frame(hangs), 5e-3 * 0.24);
