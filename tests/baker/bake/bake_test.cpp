@@ -283,6 +283,30 @@ TEST_F(BakeTest, TheWholeShotHasOneRenderMeshAsFineAsTheQualitySays) {
   }
 }
 
+TEST_F(BakeCommandTest, EveryLineSaysHowFarTheSheetAndWhatDrivesItHaveMoved) {
+  // until it is touched the sheet rests in a sphere that shrinks by 1 mm a frame
+  for (const int step : {1, 3}) {
+    const std::string frames = "1-7x" + std::to_string(step);
+    ASSERT_EQ(run({"bake", samples + "/S12_sphere.glb", "-o", output(), "--frames", frames,
+                   "--formats", "cert", "--mesh", "simulation"})
+                  .code,
+              0);
+    for (const Record& line : frames_of(output())) {
+      const bool is_first = line["frame"] == 1;
+      EXPECT_NEAR(line["driven_mm"], is_first ? 0 : step, 0.01) << line["frame"];
+      EXPECT_LT(line["moved_mm"], 1e-3) << line["frame"];
+    }
+  }
+}
+
+TEST_F(BakeTest, ASheetThatHandlesDriveMoves) {
+  for (const Record& line : frames_of(output())) {
+    const bool is_first = line["frame"] == 1;
+    EXPECT_EQ(line["driven_mm"] > 0, !is_first) << line["frame"];
+    EXPECT_EQ(line["moved_mm"] > 0, !is_first) << line["frame"];
+  }
+}
+
 TEST_F(BakeTest, ASecondBakeReplacesTheFilesOfTheFirstByWholeOnes) {
   const std::string before = text("S4_crumple.abc");
   write(fs::path(output()) / "notes.txt", "of the artist");
