@@ -15,6 +15,9 @@ void ReleaseTrial::begin(SimulatedSheet& simulated, LetGo let_go) {
     is_on_ = let_go != LetGo::no;
     if (is_on_)
       potential_at_start_ = simulated.elastic.evaluate_energies(simulated.sheet).potential;
+  } else if (damping_ > 0 && let_go == LetGo::by_handles) {
+    damping_ = 0;  // from here on it may swing
+    give_inertia(simulated);
   } else if (was_let_go() && quiet_ >= quarter_period(swing_)) {
     is_on_ = true;
     simulated.elastic.set_inertia(Inertia::quasi_static);

@@ -12,8 +12,9 @@ namespace paperbake {
 /// Decides when a sheet that is simulated without inertia gets it: from the frame in which handles
 /// let go of it and it springs, until it has come to rest (ReleaseInertia). A sheet that was
 /// modelled in a shape which does not bear its weight is let go, too, after the first frame, which
-/// shows it as it was modelled; but nobody means it to swing, so its motion is damped critically. A
-/// frame in which that may begin or end is first taken without inertia, on trial.
+/// shows it as it was modelled; but nobody means it to swing, so its motion is damped critically,
+/// until it is at rest or handles let go of it. A frame in which that may begin or end is first
+/// taken without inertia, on trial.
 class ReleaseTrial {
  public:
   /// gravity  [m/s2]

@@ -250,6 +250,30 @@ TEST(ReleaseTest, ASheetModelledInAShapeThatDoesNotBearItsWeightTakesSeveralFram
   for (const AnimatedFrame& frame : hangs.frames[0]) ASSERT_FALSE(frame.statistics.inertia);
 }
 
+TEST(ReleaseTest, ASheetThatIsLetGoWhileItSinksSwings) {
+  // held level along 6 cm; from frame 4 on, when it is on its way down, along 4 cm
+  constexpr int frames = 72;
+  const Vector3d x(1, 0, 0), y(0, 1, 0), origin = Vector3d::Zero();
+  Shot shot = test::placed(0.24, 0.08, origin, x, y);
+  for (const double u : {0.0, 0.04, 0.06})
+    for (const double v : {0.0, 0.04, 0.08}) {
+      test::hold(shot, {u, v}, frames, test::stays, origin, x, y);
+      if (u > 0.05) shot.handles.back().release_frame = 4;
+    }
+  AnimateOptions options = until(frames);
+  options.elastic.forces.gravity = 9.81;
+  const auto fine_fem = [](const Shot&, std::size_t) -> MethodChoice { return fem(200); };
+  const Outcome seen = test::outcome_of({shot}, fine_fem, options);
+  EXPECT_NE(seen.frames[0][1].note.find("does not bear its weight"), std::string::npos);
+  std::vector<double> height;  // [m] of its end
+  for (const Sheet& sheet : seen.shapes[0]) height.push_back(sheet.x.col(2).minCoeff());
+  int turns = 0;
+  for (std::size_t f = 2; f < height.size(); ++f)
+    turns += (height[f] - height[f - 1]) * (height[f - 1] - height[f - 2]) < 0;
+  EXPECT_GE(turns, 3);
+  EXPECT_LT(*std::min_element(height.begin(), height.end()), height.back() - 2e-3);
+}
+
 TEST(ReleaseTest, ASheetSpringsOntoATableAndGoesOnFromAState) {
   Shot shot = bent_strip(0.28, 60);
   ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
