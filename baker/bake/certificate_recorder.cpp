@@ -90,7 +90,9 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
 }
 
 void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatistics& statistics) {
-  Points3 samples = samples_(*frame.sheet).x;
+  // of a sheet that stands still the points are where they were
+  Points3 samples =
+      same_entries(frame.sheet->x, x_before_) ? samples_before_ : samples_(*frame.sheet).x;
   if (samples_before_.rows() > 0) {
     statistics.moved = rms_distance(samples, samples_before_);
     for (std::size_t h = 0; h < frame.handles.size(); ++h)

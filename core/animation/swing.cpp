@@ -11,10 +11,7 @@ namespace paperbake {
 
 Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<int>& held,
                double freed, double area_density) {
-  constexpr double much = 1e3;  // [1] weight of what is held against the whole rest
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(from.rows());
-  for (const int v : held) weights[v] = much * static_cast<double>(from.rows());
-  const RigidMotion motion = nearest_rigid_motion(from, equilibrium.x, weights);
+  const RigidMotion motion = motion_with_held(from, equilibrium.x, held);
   const Points3 move =
       equilibrium.x -
       ((from * motion.turn.transpose()).rowwise() + motion.shift.transpose()).eval();

@@ -55,4 +55,12 @@ RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
   return best_aligned(covariance, from, to);
 }
 
+RigidMotion motion_with_held(const Points3& points, const Points3& targets,
+                             const std::vector<int>& held) {
+  constexpr double much = 1e3;  // [1] weight of a held point against all free ones
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(points.rows());
+  for (const int v : held) weights[v] = much * static_cast<double>(points.rows());
+  return nearest_rigid_motion(points, targets, weights);
+}
+
 }  // namespace paperbake

@@ -2,6 +2,8 @@
 
 #include "core/model/sheet.h"
 
+#include <vector>
+
 namespace paperbake {
 
 /// x -> turn x + shift
@@ -31,5 +33,11 @@ RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets);
 /// The same, each of the n points with its weight, which is not negative.
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
                                  const Eigen::VectorXd& weights);
+
+/// The rigid motion of a whole sheet: the nearest one, in which held points count a thousand times
+/// as much as all free ones together.
+/// held  numbers of the points that are held
+RigidMotion motion_with_held(const Points3& points, const Points3& targets,
+                             const std::vector<int>& held);
 
 }  // namespace paperbake

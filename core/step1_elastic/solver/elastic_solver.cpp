@@ -171,16 +171,11 @@ StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input
 namespace {
 
 /// Where the rigid motion takes a sheet that is nearest to the motion of its free vertices to
-/// `free`, and of the held ones to their targets, which count much more.
+/// `free`, and of the held ones to their targets.
 /// x, free  |V|x3 [m]
 Points3 moved_rigidly(const Points3& x, Points3 free, const PositionConstraints& held) {
-  constexpr double much = 1e3;  // [1] weight of a held vertex against all free ones
-  Eigen::VectorXd weights = Eigen::VectorXd::Ones(x.rows());
-  for (const PositionConstraint& c : held) {
-    free.row(c.vertex) = c.target;
-    weights[c.vertex] = much * static_cast<double>(x.rows());
-  }
-  return moved(nearest_rigid_motion(x, free, weights), x);
+  for (const PositionConstraint& c : held) free.row(c.vertex) = c.target;
+  return moved(motion_with_held(x, free, vertices_of(held)), x);
 }
 
 }  // namespace
