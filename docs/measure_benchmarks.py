@@ -378,7 +378,7 @@ def parse_stress(text):
         text,
         re.M | re.S,
     ):
-        words = re.search(r"^  all +(.*)$", body, re.M)[1].split()
+        words = re.search(r"^  all +(\d.*)$", body, re.M)[1].split()  # not the row "all released"
         names = (
             "scripts",
             "finished",
