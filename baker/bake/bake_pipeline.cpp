@@ -185,8 +185,6 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   const std::size_t maps = files_.written().size();
   certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
   files_.move_to_front_after(maps);
-  if (const std::string where = describe_sheet_intersections(certificate_.frames()); !where.empty())
-    context_.progress.warning(where + ".");
   if (const std::string where = describe(find_leaps(certificate_.frames(), plan)); !where.empty())
     context_.progress.warning(where);
 

@@ -80,7 +80,7 @@ void warn_of_sheets_in_each_other(BakePlan& plan) {
       if (crossings_between(plan.shots[a].start, plan.shots[b].start) > 0)
         plan.warnings.push_back(fmt::format(
             "The sheets \"{}\" and \"{}\" pass through each other in the first frame: they are not "
-            "kept apart where they do. Move one of them, unless they are joined there.",
+            "kept apart where they do. Move one of them, or join them into one mesh.",
             plan.shots[a].sheet_name, plan.shots[b].sheet_name));
 }
 

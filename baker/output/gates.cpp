@@ -85,7 +85,7 @@ void review_lengths(const Gates& gates, Review& review) {
       });
 }
 
-void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
+void review_crossings(Review& review) {
   const auto pairs = [](const char* of) {
     return [of](const FrameRecord&, double value) {
       return fmt::format("{:.0f} pairs of {} pass through each other", value, of);
@@ -100,17 +100,14 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
         return f.statistics.render ? double(f.statistics.render->crossings) : 0;
       },
       pairs("rendered triangles"));
-  // sheets that pass through each other as simulated, such as those joined at a border, do so as
-  // rendered too
-  std::set<int> crossed;
-  for (const FrameRecord& f : frames)
-    if (f.statistics.crossings_with_others > 0) crossed.insert(f.frame);
   review.check(
       Gate::crossings, 0,
-      [&](const FrameRecord& f) {
-        return f.statistics.render && !crossed.count(f.frame)
-                   ? double(f.statistics.render->crossings_with_others)
-                   : 0;
+      [](const FrameRecord& f) { return double(f.statistics.crossings_with_others); },
+      pairs("triangles of two sheets"));
+  review.check(
+      Gate::crossings, 0,
+      [](const FrameRecord& f) {
+        return f.statistics.render ? double(f.statistics.render->crossings_with_others) : 0;
       },
       pairs("rendered triangles of two sheets"));
 }
@@ -211,7 +208,7 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
       });
   if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
     review.missed.back().sentence += not_solved(frames);
-  review_crossings(frames, review);
+  review_crossings(review);
   review.check(
       Gate::colliders, gates.inside_mm,
       [](const FrameRecord& f) { return 1e3 * f.statistics.inside; },

@@ -85,6 +85,16 @@ std::string describe_friction(const BakePlan& plan) {
                                     : fmt::format("with friction {}", fmt::join(all, ", "));
 }
 
+/// In which frames a sheet passes through another, as a clause; empty: in none.
+std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {
+  std::set<int> through;
+  for (const FrameRecord& f : frames)
+    if (f.statistics.crossings_with_others > 0) through.insert(f.frame);
+  if (through.empty()) return "";
+  return fmt::format("in {} frames from {} to {} one sheet passes through another", through.size(),
+                     *through.begin(), *through.rbegin());
+}
+
 /// Whether contact between the sheets of the scene was simulated, and whether it was needed.
 Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   if (plan.shots.size() < 2) return {{"on", false}, {"why", "one sheet"}};
@@ -279,15 +289,6 @@ std::string machine_name() {
   while (std::getline(info, line))
     if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
   return "unknown";
-}
-
-std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {
-  std::set<int> through;
-  for (const FrameRecord& f : frames)
-    if (f.statistics.crossings_with_others > 0) through.insert(f.frame);
-  if (through.empty()) return "";
-  return fmt::format("in {} frames from {} to {} one sheet passes through another", through.size(),
-                     *through.begin(), *through.rbegin());
 }
 
 std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames,

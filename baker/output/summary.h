@@ -10,9 +10,6 @@
 
 namespace paperbake {
 
-/// In which frames a sheet passes through another, as a clause; empty: in none.
-std::string describe_sheet_intersections(const std::vector<FrameRecord>&);
-
 /// The name of the processor, as it gives it itself.
 std::string machine_name();
 

@@ -56,6 +56,19 @@ TEST(IntersectionsTest, StripFoldedOverWithAGapDoesNotIntersectItself) {
   EXPECT_EQ(crossings(sheet), 0);
 }
 
+TEST(IntersectionsTest, SheetsThatShareABorderTouchAndDoNotIntersect) {
+  const double steep = 0.7;  // [rad]
+  const Sheet left = strip_sheet(0.3, 0.03, 2);
+  Sheet right = left;
+  for (int v = 0; v < right.x.rows(); ++v) {
+    const double along = right.pattern(v, 0);
+    right.x.row(v) << std::cos(steep) * along, right.pattern(v, 1), std::sin(steep) * along;
+  }
+  EXPECT_EQ(crossings_between(left, right), 0);
+  right.x.col(2).array() -= 1e-3;
+  EXPECT_GT(crossings_between(left, right), 0);
+}
+
 TEST(IntersectionsTest, SpiralWithSeparateTurnsDoesNotIntersectItself) {
   const auto spiral = [](double t) {
     return Vector2d((0.01 + 0.003 * t) * std::cos(18 * t), (0.01 + 0.003 * t) * std::sin(18 * t));
