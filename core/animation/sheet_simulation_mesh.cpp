@@ -15,27 +15,30 @@ namespace {
 
 // [1] of the longer side: with less motion than this no method changes the mesh
 constexpr double motion_threshold = 2e-4;
+// [1] of the shorter side: a handle is isolated when no other one is nearer on the pattern
+constexpr double isolated = 0.15;
 constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
 
 }  // namespace
 
 RemeshContext SheetSimulation::remesh_context(double share) {
   const Sheet& sheet = simulated_.sheet;
-  return {simulated_.fixed,
-          simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,
-          isolated_moving_handles(sheet, now_.input.constraints, motion_threshold * simulated_.side,
-                                  0.15 * shorter_side(shot_.pattern)),
-          {frame_, 1 / options_.fps, now_.max_motion / simulated_.side},
-          now_.max_motion > motion_threshold * simulated_.side,
-          outcome_.snap_in_progress,
-          outcome_.at_minimum,
-          yielding_,
-          outcome_.rests_on_contact,
-          share * now_.relative_motion,
-          share * rms_deformation(simulated_.positions_before, sheet.x) / simulated_.side,
-          share * now_.squeeze,
-          false,
-          [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
+  const double side = simulated_.side, least_motion = motion_threshold * side;
+  RemeshContext context(simulated_.fixed);
+  if (simulated_.plastic_grid) context.plastic_grid = &*simulated_.plastic_grid;
+  context.isolated_moving_handles = isolated_moving_handles(
+      sheet, now_.input.constraints, least_motion, isolated * shorter_side(shot_.pattern));
+  context.now = {frame_, 1 / options_.fps, now_.max_motion / side};
+  context.moving = now_.max_motion > least_motion;
+  context.snap_in_progress = outcome_.snap_in_progress;
+  context.at_minimum = outcome_.at_minimum;
+  context.yielding = yielding_;
+  context.rests_on_contact = outcome_.rests_on_contact;
+  context.relative_handle_motion = share * now_.relative_motion;
+  context.deformation = share * rms_deformation(simulated_.positions_before, sheet.x) / side;
+  context.squeeze = share * now_.squeeze;
+  context.local_energies = [this] { return simulated_.elastic.local_energies(simulated_.sheet); };
+  return context;
 }
 
 bool SheetSimulation::change_mesh(const RemeshContext& context,

@@ -21,25 +21,28 @@ class Serializer;
 
 /// What a method is told about a sheet whose mesh it may change.
 struct RemeshContext {
+  explicit RemeshContext(const std::vector<char>& fixed_vertices) : fixed(fixed_vertices) {}
+
   // |V| vertices of the first mesh, which keep their place on the pattern and their number
   const std::vector<char>& fixed;
-  const PlasticGrid* plastic_grid;           // plastic curvature of the paper; null: elastic paper
-  std::vector<int> isolated_moving_handles;  // vertices that isolated handles are about to move
+  const PlasticGrid* plastic_grid = nullptr;  // plastic curvature of the paper; null: elastic paper
+  std::vector<int> isolated_moving_handles;   // vertices that isolated handles are about to move
   FrameTime now;
-  bool moving;  // handles or sheet moved since the frame before
+  bool moving = false;  // handles or sheet moved since the frame before
   // the sheet is snapping through from an unstable shape, so its present shape is not to be trusted
-  bool snap_in_progress;
-  bool at_minimum;        // the last step reached a minimum
-  bool yielding;          // the paper yielded in the last step
-  bool rests_on_contact;  // the last step ended on a collider or another sheet
+  bool snap_in_progress = false;
+  bool at_minimum = false;        // the last step reached a minimum
+  bool yielding = false;          // the paper yielded in the last step
+  bool rests_on_contact = false;  // the last step ended on a collider or another sheet
   // [1] of the longer side: how far handles are about to move relative to each other
-  double relative_handle_motion;
+  double relative_handle_motion = 0;
   // [1] of the longer side: how far its points went in the last step, apart from a rigid motion;
   // root mean square
-  double deformation;
+  double deformation = 0;
   // [1] of the longer side: how far colliders are about to squeeze a sheet that no handle holds
-  double squeeze;
-  bool jammed;  // colliders cannot squeeze it any farther, unless a finer mesh lets it fold
+  double squeeze = 0;
+  // colliders cannot squeeze it any farther, unless a finer mesh lets it fold
+  bool jammed = false;
   std::function<LocalEnergies()> local_energies;  // of the sheet as it is
 };
 

@@ -118,9 +118,11 @@ TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
   const auto triangles_after = [&](const SizingOptions& options, bool at_minimum,
                                    double relative_handle_motion) {
     Sheet sheet = arch;
-    const RemeshContext context{fixed,      nullptr, {},    {25, 1 / 24.0},         true, false,
-                                at_minimum, false,   false, relative_handle_motion, 0,    0,
-                                false,      {}};
+    RemeshContext context(fixed);
+    context.now = {25, 1 / 24.0};
+    context.moving = true;
+    context.at_minimum = at_minimum;
+    context.relative_handle_motion = relative_handle_motion;
     adaptive_of(shot, cap, options).make()->remesh(sheet, context);
     return sheet.triangles.rows();
   };
@@ -179,9 +181,9 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
     Sheet before = *frame.sheet, after = *frame.sheet;
     // before frame 4 it is buckling to a side; after frame 24 it is also pushed from above
     if (frame.frame < 4 || frame.frame > 24) return true;
-    const RemeshContext context{
-        fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, false, 0, 0,
-        0,     false,   {}};
+    RemeshContext context(fixed);
+    context.now = {frame.frame, 1 / 24.0};
+    context.moving = context.at_minimum = true;
     if (method.make()->remesh(after, context) == MeshChange::none) return true;
     const double was = at_rest(before);
     rises.push_back(at_rest(after) / was - 1);
