@@ -154,8 +154,18 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
   const auto& v = feature.vertices;
   int behind = 0;
   for (int i = 0; i < feature.corners; ++i) behind += side[v[i]] < 0;
-  if (feature.corners == 2) return edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind);
-  return corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
+  FeaturePair m =
+      feature.corners == 2
+          ? edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind)
+          : corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
+  if (m.where == FeaturePair::inside && behind == 0) {
+    // the faces beside the edge or corner end somewhere: beyond them paper is outside
+    Vector3d at = Vector3d::Zero();
+    for (int i = 0; i < feature.corners; ++i) at += m.weights[i] * row(y, v[i]);
+    if (collider.nearest(at, 1.01 * m.distance, 1).distance > 0)
+      m.where = FeaturePair::nearer_to_another;
+  }
+  return m;
 }
 
 template <class Visit>
