@@ -147,6 +147,25 @@ ColliderContact::FeaturePair ColliderContact::corner_pair(const Collider& collid
   return m;
 }
 
+/// Whether an edge or a triangle of the sheet that lies between the planes of the faces beside an
+/// edge or a corner is outside all the same, because one of those faces ends before it. It is where
+/// neither its closest point nor what lies beside that, by half of the distance towards the
+/// vertices, is inside.
+bool ColliderContact::is_in_front(const Collider& collider, const SheetFeature& feature,
+                                  const FeaturePair& m, const Points3& y) {
+  const auto in_front = [&](const Vector3d& p) {
+    return collider.nearest(p, 2 * m.distance, 1).distance > 0;
+  };
+  Vector3d at = Vector3d::Zero();
+  for (int i = 0; i < feature.corners; ++i) at += m.weights[i] * row(y, feature.vertices[i]);
+  if (!in_front(at)) return false;
+  for (int i = 0; i < feature.corners; ++i) {
+    const Vector3d off = row(y, feature.vertices[i]) - at;
+    if (!in_front(at + std::min(1.0, 0.5 * m.distance / off.norm()) * off)) return false;
+  }
+  return true;
+}
+
 ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
                                                            const SheetFeature& feature, int k,
                                                            const Points3& y,
@@ -158,13 +177,8 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
       feature.corners == 2
           ? edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind)
           : corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
-  if (m.where == FeaturePair::inside && behind == 0) {
-    // the faces beside the edge or corner end somewhere: beyond them paper is outside
-    Vector3d at = Vector3d::Zero();
-    for (int i = 0; i < feature.corners; ++i) at += m.weights[i] * row(y, v[i]);
-    if (collider.nearest(at, 1.01 * m.distance, 1).distance > 0)
-      m.where = FeaturePair::nearer_to_another;
-  }
+  if (m.where == FeaturePair::inside && behind == 0 && is_in_front(collider, feature, m, y))
+    m.where = FeaturePair::nearer_to_another;
   return m;
 }
 

@@ -132,6 +132,8 @@ class ColliderContact {
   using TriangleCorners = std::array<Vector3d, 3>;
   FeaturePair edge_pair(const Collider&, const EdgeEnds&, int k, int behind) const;
   FeaturePair corner_pair(const Collider&, const TriangleCorners&, int k, int behind) const;
+  static bool is_in_front(const Collider&, const SheetFeature&, const FeaturePair&,
+                          const Points3& y);
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
                            const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
