@@ -24,15 +24,19 @@ Clamps::Clamps(const Shot& shot, int first_frame)
   find();
 }
 
+/// Whether two handles keep their distance for as long as both hold, which is at least half of the
+/// time of either: one that takes over from another is no part of its hand.
 bool Clamps::are_rigid(int h, int k) const {
   const double apart = (place(h) - place(k)).norm();
-  bool together = false;
+  int held_h = 0, held_k = 0, together = 0;  // rows
   for (int row = 0; row < rows_; ++row) {
+    held_h += held(h, row);
+    held_k += held(k, row);
     if (!held(h, row) || !held(k, row)) continue;
-    together = true;
+    ++together;
     if (std::abs((keyed(h, row) - keyed(k, row)).norm() - apart) > rigid * side_) return false;
   }
-  return together;
+  return together > 0 && 2 * together >= std::min(held_h, held_k);
 }
 
 /// Each handle with those near it first, as long as all are rigid with each other; then the plates

@@ -164,8 +164,17 @@ class CutPattern {
   int left_ = 1;  // whether that part is on the left of the cut
 };
 
-/// Whether a part of the line of an axis separates the two clamps, and no other clamp is on both
-/// sides. The line separates flaps beside each other that fold together.
+/// Whether a clamp holds in a frame in which those of the axis have folded the paper.
+bool holds_while_folded(const Clamp& clamp, const FoldAxis& axis, const Clamps& clamps) {
+  for (std::size_t row = 0; row < axis.turn.size(); ++row)
+    if (std::abs(axis.turn[row]) > min_fold_turn && clamps.pose(clamp, static_cast<int>(row)))
+      return true;
+  return false;
+}
+
+/// Whether a part of the line of an axis separates the two clamps, and no other clamp keeps the
+/// paper flat across it while they fold it. The line separates flaps beside each other that fold
+/// together.
 bool is_between(const Segment2& part, const FoldAxis& axis, const Clamps& clamps,
                 const Pattern& pattern, CutPattern::By by) {
   using By = CutPattern::By;
@@ -177,7 +186,8 @@ bool is_between(const Segment2& part, const FoldAxis& axis, const Clamps& clamps
   };
   return side_of(*axis.plate, by) * side_of(*axis.other, by) < 0 &&
          std::none_of(clamps.all().begin(), clamps.all().end(), [&](const Clamp& clamp) {
-           return side_of(clamp, By::cut) == 0 && side_of(clamp, By::line) == 0;
+           return side_of(clamp, By::cut) == 0 && side_of(clamp, By::line) == 0 &&
+                  holds_while_folded(clamp, axis, clamps);
          });
 }
 

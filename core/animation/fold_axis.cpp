@@ -13,7 +13,6 @@
 namespace paperbake {
 namespace {
 
-constexpr double min_turn = 60 * M_PI / 180;
 constexpr double straight = 0.05;    // [1] ratio of the singular values of R_a - R_b
 constexpr double max_misfit = 0.02;  // [1] of the longer side
 constexpr double min_rise = 0.5;     // [1] of the distance of a row from the line
@@ -46,7 +45,7 @@ class FoldAxisSearch {
           sign * *turn + 2 * M_PI * std::round((last - sign * *turn) / (2 * M_PI));
       most = std::max(most, std::abs(last));
     }
-    return most < min_turn ? std::nullopt : line;
+    return most < min_fold_turn ? std::nullopt : line;
   }
 
  private:
@@ -77,7 +76,7 @@ class FoldAxisSearch {
       most = turn;
       at_most = {*pa, *pb};
     }
-    if (most < min_turn) return std::nullopt;
+    if (most < min_fold_turn) return std::nullopt;
     const auto& [pa, pb] = *at_most;
     // both take a point p of the line to the same place: M p + d = 0
     const Eigen::Matrix<double, 3, 2> M = (pa.turn - pb.turn).leftCols<2>();

@@ -663,6 +663,38 @@ TEST(ExpectedCreasesTest, HandlesThatLetGoBeforeTheyTurnFoldNothing) {
   for (int f = 0; f < frames; ++f) EXPECT_EQ(std::isnan(lines[0].turn[f]), f >= 22) << f;
 }
 
+TEST(ExpectedCreasesTest, HandsThatFoldAcrossALineThatOthersHaveOpenedAgainDoNotHideEachOther) {
+  // a square is folded along one diagonal and opened, then other hands fold it along the other one
+  const double w = 0.15;
+  const Vector2d middle(w / 2, w / 2), up(1, 1), down(1, -1);
+  const double open_again = 0.5;  // of the time
+  const auto folded = [&](const Vector2d& direction, double begin) -> Poses {
+    return [=](double s) {
+      const double share = std::clamp((s - begin) / open_again, 0.0, 1.0);
+      return turned((1 - std::abs(2 * share - 1)) * 168 * degrees, middle, direction);
+    };
+  };
+  const std::vector<Plate> first{{{{0.01, 0.01}, {0.07, 0.01}, {0.01, 0.07}}, still},
+                                 {{{0.14, 0.14}, {0.08, 0.14}, {0.14, 0.08}}, folded(down, 0)}},
+      second{{{{0.14, 0.01}, {0.08, 0.01}, {0.14, 0.07}}, still},
+             {{{0.01, 0.14}, {0.07, 0.14}, {0.01, 0.08}}, folded(up, open_again)}};
+  Shot shot = held(test::rectangle(w, w), first);
+  for (Handle& handle : shot.handles) handle.release_frame = first_frame + 13;
+  const std::size_t of_first = shot.handles.size();
+  for (const Plate& plate : second) hold(shot, plate);
+  // for two frames all four hands hold the flat sheet
+  for (std::size_t h = of_first; h < shot.handles.size(); ++h)
+    shot.handles[h].grab_frame = first_frame + 11;
+  const std::vector<ExpectedCrease> lines = lines_of(shot);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_TRUE(line_between(lines, {0, w}, {w, 0}));
+  EXPECT_TRUE(line_between(lines, {0, 0}, {w, w}));
+  // a hand that lies across a line while it is folded is in the way of it
+  for (std::size_t h = of_first; h < shot.handles.size(); ++h)
+    shot.handles[h].grab_frame = first_frame + 1;
+  EXPECT_FALSE(line_between(lines_of(shot), {0, w}, {w, 0}));
+}
+
 TEST(ExpectedCreasesTest, RelativeHandlesAreNoClamp) {
   Shot shot = held(page, corner(175 * degrees));
   for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h)
