@@ -51,7 +51,8 @@ bool FrameRenderer::rests(std::size_t k) const {
   for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
     const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
     const RecordedFrame &now = recorded[k], &before = recorded[k - 1];
-    if (now.held != before.held || now.held_at != before.held_at || now.keyed != before.keyed)
+    if (now.held != before.held || now.held_at != before.held_at || now.keyed != before.keyed ||
+        now.folded.size() != before.folded.size())
       return false;
     if (const auto& colliders = inputs_[s].shot->colliders;
         colliders && farthest_move(*colliders, now.frame - recorded.front().frame) > 0)

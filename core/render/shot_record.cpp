@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 namespace paperbake {
 namespace {
@@ -39,6 +40,8 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   record.mesh = static_cast<int>(meshes_.size()) - 1;
   record.x = sheet.x.cast<float>();
   record.carried = frame.carried.cast<float>();
+  std::copy_if(sheet.crease_edges.begin(), sheet.crease_edges.end(),
+               std::back_inserter(record.folded), [](const CreaseEdge& e) { return e.folded; });
   for (std::size_t h = 0; h < frame.handles.size(); ++h)
     if (frame.handles[h].state != HandleFrame::free) record.held.push_back(static_cast<int>(h));
   record.held_at.resize(record.held.size(), 3);
@@ -65,7 +68,9 @@ void ShotRecord::add(const AnimatedFrame& frame) {
 
 Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
   const Mesh& mesh = meshes_[frame.mesh];
-  return {mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
+  Sheet sheet{mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
+  sheet.crease_edges = frame.folded;
+  return sheet;
 }
 
 Sheet ShotRecord::carried(const RecordedFrame& frame) const {

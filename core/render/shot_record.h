@@ -18,8 +18,9 @@ struct RecordedFrame {
   // index in ShotRecord::meshes
   int mesh = 0;
   using Positions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  Positions x;        // [m]
-  Positions carried;  // [m] AnimatedFrame::carried
+  Positions x;                     // [m]
+  Positions carried;               // [m] AnimatedFrame::carried
+  std::vector<CreaseEdge> folded;  // edges of creases that are folded by now
   // handles that hold the sheet
   std::vector<int> held;
   Points3 held_at;  // [m] where they hold it

@@ -1,6 +1,7 @@
 #include "core/render/curved_surface.h"
 
 #include "core/geometry/hinges.h"
+#include "core/render/shot_record.h"
 #include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -93,6 +94,29 @@ TEST(CurvedSurfaceTest, CreaseShareRisesSmoothlyFromZeroToOne) {
   EXPECT_EQ(crease_share(-0.8), 1);
   EXPECT_NEAR(crease_share(0.6), 0.5, 1e-12);
   EXPECT_EQ(crease_share(0.55), crease_share(-0.55));
+}
+
+TEST(CurvedSurfaceTest, ACreaseThatHandsHaveFoldedAndOpenedAgainStaysSharpAsRecorded) {
+  constexpr double turn = 15 * M_PI / 180, middle = 0.05;  // [rad], [m]
+  Sheet sheet = test::strip_sheet(2 * middle, 0.03, 4);
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    if (const double beyond = sheet.pattern(v, 0) - middle; beyond > 1e-9)
+      sheet.x.row(v) << middle + beyond * std::cos(turn), sheet.pattern(v, 1),
+          beyond * std::sin(turn);
+  const double low = sheet.pattern.col(1).minCoeff(), high = sheet.pattern.col(1).maxCoeff();
+  sheet.prescribed_creases = {{{{middle, low}, {middle, high}}, 0, false}};
+  ShotRecord record;
+  for (const bool folded : {false, true}) {
+    sheet.crease_edges = {{{middle, low}, {middle, high}, 0, folded, {}}};
+    AnimatedFrame frame;
+    frame.sheet = &sheet;
+    record.add(frame);
+  }
+  const auto bulge = [&](int k) {
+    return curve(record.sheet(record.frames()[k]), {}).bulge.cwiseAbs().maxCoeff();
+  };
+  EXPECT_GT(bulge(0), 1e-4) << "paper that has never been folded here bends";
+  EXPECT_LT(bulge(1), 1e-8) << "two flat parts that meet at a crease, in 32 bits";
 }
 
 }  // namespace
