@@ -12,6 +12,7 @@
 #include "formats/files/atomic_file.h"
 #include "formats/files/collider_record.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <functional>
 #include <map>
@@ -193,6 +194,12 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   BakeOutcome outcome;
   const std::vector<MissedGate> missed = missed_gates(gates, certificate_.frames(), plan);
   for (const MissedGate& gate : missed) outcome.missed.push_back(gate.sentence);
+  const bool is_told = std::any_of(missed.begin(), missed.end(), [](const MissedGate& gate) {
+    return gate.gate == Gate::handles;
+  });
+  if (const std::string where = describe_unsolved(certificate_.frames());
+      !is_told && !where.empty())
+    context_.progress.warning(where);
   outcome.exit_code = missed.empty() ? 0 : 4;
   const auto error = final_error(failure);
   caches_.write_ending(

@@ -110,8 +110,8 @@ void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatis
   frame_before_ = frame.frame;
 }
 
-/// A stored energy is a sum of squares. And paper whose handles move does not stand still to the
-/// last bit, unless its step was given up.
+/// A stored energy is a sum of squares. And paper that moves, or whose handles move, does not stand
+/// still to the last bit, unless its step was given up.
 void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
                                                    FrameRecord& record) {
   constexpr double least_motion = 1e-5;  // [m] of a handle within a frame
@@ -125,10 +125,14 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
              (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
-  record.step_unsolved = moves && same_entries(frame.sheet->x, x_before_);
+  // where the simulation itself says why the sheet stays behind, that is enough
+  const bool silent = !frame.statistics.converged && frame.note.empty();
+  record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, x_before_);
   if (record.step_unsolved)
-    append_note(record.note,
-                "the sheet stands still although its handles move: the step was not solved");
+    append_note(record.note, moves ? "the sheet stands still although its handles move: the step "
+                                     "was not solved"
+                                   : "the sheet stands still although it is not at rest: the step "
+                                     "was not solved");
   handles_before_ = frame.handles;
   x_before_ = frame.sheet->x;
 }

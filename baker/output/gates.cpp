@@ -132,19 +132,18 @@ std::string worst_jam(const FrameRecord& f, const std::vector<UnreachablePairOfS
                                : "jammed");
 }
 
-/// A sentence about the frames in which the solver gave up; empty: there are none.
-std::string not_solved(const std::vector<FrameRecord>& frames) {
+}  // namespace
+
+std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
   std::set<int> given_up;
   for (const FrameRecord& f : frames)
     if (f.step_unsolved) given_up.insert(f.frame);
   if (given_up.empty()) return "";
   return fmt::format(
-      " In {} frames from {} to {} the sheet stands still because the step was not solved: look at "
+      "In {} frames from {} to {} the sheet stands still because the step was not solved: look at "
       "what it meets there.",
       given_up.size(), *given_up.begin(), *given_up.rbegin());
 }
-
-}  // namespace
 
 std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
                                    const std::vector<MissedGate>& missed) {
@@ -207,7 +206,8 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
                            gates.handle_err_mm, worst_jam(f, plan.impossible));
       });
   if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
-    review.missed.back().sentence += not_solved(frames);
+    if (const std::string unsolved = describe_unsolved(frames); !unsolved.empty())
+      review.missed.back().sentence += " " + unsolved;
   review_crossings(review);
   review.check(
       Gate::colliders, gates.inside_mm,

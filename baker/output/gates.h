@@ -32,6 +32,10 @@ struct MissedGate {
 std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord>&,
                                      const BakePlan&);
 
+/// A sentence about the frames in which the solver gave up; empty: there are none. That of the gate
+/// of handles contains it.
+std::string describe_unsolved(const std::vector<FrameRecord>&);
+
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none
 /// of the missed ones is about.
 std::vector<std::string> good_news(const std::vector<FrameRecord>&,

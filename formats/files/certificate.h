@@ -33,7 +33,7 @@ struct FrameRecord {
   std::optional<double> twin;
   std::vector<Jam> jammed;
   std::string note;
-  bool step_unsolved = false;  // the sheet stands still although its handles move
+  bool step_unsolved = false;  // the sheet stands still although it, or a handle, moves
   std::string input_hash;
   // of its positions in the .abc; empty when the frame is not in it
   std::string content_hash;

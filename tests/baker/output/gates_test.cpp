@@ -90,6 +90,17 @@ TEST(Gates, ACrossingOfTwoSheetsIsOneThatIsMissedAsSimulatedAndAsRendered) {
                 "Frame 7: 2 pairs of triangles of two sheets pass through each other.", rendered}));
 }
 
+TEST(Gates, FramesThatWereNotSolvedAreToldAlsoWhereNoGateIsMissed) {
+  std::vector<FrameRecord> frames(4);
+  for (int f = 0; f < 4; ++f) frames[f].frame = 5 + f;
+  EXPECT_EQ(describe_unsolved(frames), "");
+  frames[1].step_unsolved = frames[3].step_unsolved = true;
+  EXPECT_TRUE(missed_gates({}, frames, {}).empty());
+  EXPECT_EQ(describe_unsolved(frames),
+            "In 2 frames from 6 to 8 the sheet stands still because the step was not solved: look "
+            "at what it meets there.");
+}
+
 TEST(Gates, OfSeveralSheetsTheSentenceNamesTheOne) {
   BakePlan plan;
   plan.shots.resize(2);
