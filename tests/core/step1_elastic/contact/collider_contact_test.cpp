@@ -82,23 +82,26 @@ TEST(ColliderContactTest, ContactGradientIsTheDerivativeOfTheEnergyOutsideAndIns
 }
 
 TEST(ColliderContactTest, PaperJustBelowTheTipOfAPointedColliderIsNotInsideIt) {
-  // the top rises to the corner (0.1, 0.1, 0); the walls below that corner are vertical
-  ColliderMesh pointed = box({0, 0, -0.2}, {0.1, 0.1, 0});
-  pointed.x(4, 2) = -0.1;
-  pointed.x(5, 2) = pointed.x(6, 2) = -0.05;
+  // the top rises by 3 to the corner (0.1, 0.1, 0); the walls below that corner are vertical
+  ColliderMesh pointed = box({0, 0, -0.8}, {0.1, 0.1, 0});
+  pointed.x(4, 2) = -0.6;
+  pointed.x(5, 2) = pointed.x(6, 2) = -0.3;
   const auto colliders = all({pointed});
   const ColliderShapes at = shapes_at(*colliders, 0);
   ColliderContact contact(colliders, one_triangle(), 3);
-  // the border runs 2 mm beside the corner, 1 mm above the top; no face, edge or corner is in reach
+  // the border runs beside the corner, with more than dhat to the top
+  const double beside = 4 * collider_dhat;
+  ASSERT_LT(beside, colliders->front().depth()) << "so deep paper counts as inside";
   Points3 y(3, 3);
-  y << 0.08, 0.098, 1e-4, 0.12, 0.098, 1e-4, 0.1, 0.05, 1e-4;
+  const double lean = 1e-4;  // [m] so that it is beyond the planes of both walls
+  y << 0.08, 0.1 - beside + lean, 1e-4, 0.12, 0.1 - beside - lean, 1e-4, 0.1, 0.05, 1e-4;
   contact.begin(y, {at, at}, {});
   for (const double z : {1e-4, 1e-6, -1e-6, -1e-4}) {
     y.col(2).setConstant(z);
     EXPECT_EQ(contact.energy(y), 0) << z;
     EXPECT_EQ(contact.inside(y), 0) << z;
   }
-  y.col(2).setConstant(-2e-3);  // below the top at the border
+  y.col(2).setConstant(-3 * beside - 2e-3);  // below the top at the border
   EXPECT_GT(contact.inside(y), 5e-4);
 }
 
