@@ -1,8 +1,9 @@
 #include "baker/bake/attempts.h"
 
+#include "baker/bake/candidate.h"
+#include "baker/bake/task_queue.h"
 #include "baker/job/input_hash.h"
-#include "baker/output/checkpoints.h"
-#include "baker/output/gates.h"
+#include "baker/output/output_folder.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -11,18 +12,12 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
-#include <limits>
 #include <memory>
-#include <optional>
 
 namespace paperbake {
 namespace {
 
-constexpr double hopeless_pct = 10;  // of the longer side: what is off by more never ends well
 constexpr unsigned seed_step = 1000;
-
-/// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
-constexpr double tolerance = 1e-3 * Gates{}.handle_err_mm;
 
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
 /// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
@@ -31,69 +26,6 @@ int refinement(std::size_t attempt) {
   if (attempt == 0) return 1;
   return attempt % 2 == 1 ? 2 : 4;
 }
-
-/// By how much the paper between a handle and another one is too short: a handle may be off by so
-/// much whatever the attempt. [m]
-double unavoidable(const BakePlan& plan, std::size_t sheet, const std::string& handle) {
-  double most = 0;
-  for (const UnreachablePairOfSheet& i : plan.impossible)
-    if (i.sheet == plan.shots[sheet].sheet_name && (i.pair.a == handle || i.pair.b == handle))
-      most = std::max(most, i.pair.apart - i.pair.allowed);
-  return most;
-}
-
-/// An attempt that is being simulated.
-class Candidate {
- public:
-  Candidate(BakePlan plan, Attempt known, StopRequest& stop)
-      : plan_(std::move(plan)), options_(options_of_sheets(plan_)), attempt_(known) {
-    for (AnimateOptions& of_sheet : options_)
-      of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
-  }
-
-  const Attempt& attempt() const { return attempt_; }
-  bool has_begun() const { return animation_.has_value() || failed_; }
-  bool is_over() const { return animation_ && animation_->is_over(); }
-  /// What attempts are compared by: all that are within the tolerance are alike.
-  double badness() const {
-    return failed_ ? std::numeric_limits<double>::infinity() : std::max(attempt_.off, tolerance);
-  }
-  bool is_hopeless() const { return failed_ || attempt_.off_pct >= hopeless_pct; }
-
-  /// A sentence for people on how far it is.
-  std::string describe_state(std::ptrdiff_t number, std::size_t of) const {
-    return fmt::format("attempt {} of {}: frame {} of {}, a handle is off by {:.1f} mm so far",
-                       number, of, plan_.animation.first_frame + simulated_ - 1,
-                       plan_.animation.last_frame, 1e3 * attempt_.off);
-  }
-
-  /// Simulates the next frame.
-  void go_on() {
-    try {
-      if (!animation_) begin();
-      for (const AnimatedFrame& frame : animation_->next_frame()) add_frame(attempt_, frame, plan_);
-      attempt_.frames = std::max(attempt_.frames, ++simulated_);
-    } catch (const Error& error) {
-      // whoever stops it knows; anything else the bake itself says, if no attempt is better
-      failed_ = error.code != ErrorCode::stopped;
-    }
-  }
-
- private:
-  void begin() {
-    std::vector<AnimatedSheet> sheets;
-    for (std::size_t s = 0; s < plan_.shots.size(); ++s)
-      sheets.push_back({plan_.shots[s], plan_.methods[s], options_[s]});
-    animation_.emplace(sheets);
-  }
-
-  BakePlan plan_;
-  std::vector<AnimateOptions> options_;
-  Attempt attempt_;
-  std::optional<Animation> animation_;
-  int simulated_ = 0;  // frames
-  bool failed_ = false;
-};
 
 /// Says when people have waited long enough for a sign of life.
 class FrequentMessage {
@@ -110,27 +42,40 @@ class FrequentMessage {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace
-
-void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
-  const Shot& shot = plan.shots[frame.sheet_index];
-  const double side = longer_side(shot.pattern);
-  for (std::size_t h = 0; h < frame.handles.size(); ++h) {
-    const HandleFrame& handle = frame.handles[h];
-    const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);
-    attempt.off_pct = std::max(attempt.off_pct, 100 * off / side);
-    if (off <= attempt.off) continue;
-    attempt.off = off;
-    attempt.frame = frame.frame;
+/// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
+/// those of the candidates that are most likely to be chosen next.
+void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candidate& chosen,
+                     int threads) {
+  int busy = 0;
+  for (const auto& candidate : all) {
+    candidate->look();
+    busy += candidate->is_busy();
+  }
+  const std::launch on = launch_policy(threads);
+  const auto start = [&](Candidate& candidate) {
+    candidate.start(on);
+    ++busy;
+  };
+  if (!chosen.has_frame() && !chosen.is_busy()) start(chosen);
+  while (busy < threads) {
+    Candidate* likeliest = nullptr;
+    for (const auto& candidate : all)
+      if (!candidate->is_busy() && candidate->can_go_on() &&
+          (!likeliest || candidate->badness_ahead() < likeliest->badness_ahead()))
+        likeliest = candidate.get();
+    if (!likeliest) return;
+    start(*likeliest);
   }
 }
 
-Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan,
-                   std::filesystem::path decision)
+}  // namespace
+
+Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::filesystem::path state)
     : settings_(settings),
       first_(plan),
       plan_(plan),
-      decision_(std::move(decision)),
+      state_(std::move(state)),
+      decision_(state_ / "attempt"),
       seen_(describe_attempt(0)),
       watches_(settings.attempts > 1 && is_hybrid(settings)) {
   if (watches_ && settings.resume == Resume::automatic) watches_ = !load_choice();
@@ -142,12 +87,13 @@ void Attempts::watch(const AnimatedFrame& frame) {
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
   moved_ |= have_moved(first_.shots[frame.sheet_index].handles, row);
-  failing_ = moved_ && seen_.off > tolerance;
+  failing_ = moved_ && seen_.off > tolerance_of_attempts();
 }
 
 bool have_moved(const std::vector<Handle>& handles, int row) {
   return std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
-    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() > tolerance;
+    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() >
+           tolerance_of_attempts();
   });
 }
 
@@ -178,14 +124,30 @@ BakePlan Attempts::plan_of(std::size_t number) const {
   return plan;
 }
 
-bool Attempts::choose(Progress& progress, StopRequest& stop) {
+std::filesystem::path Attempts::folder_of(std::size_t number) const {
+  // the first one goes on from what is recorded of it, unless that is polished
+  if (number == 0 && first_.polish.triangles == 0) return state_;
+  return state_ / "attempts" / std::to_string(number);
+}
+
+std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& stop,
+                                                                  StageClock& clock) const {
   std::vector<std::unique_ptr<Candidate>> all;
   for (std::size_t k = 0; k < static_cast<std::size_t>(settings_.attempts); ++k) {
     BakePlan plan = plan_of(k);
     plan.polish = {};
-    all.push_back(
-        std::make_unique<Candidate>(std::move(plan), k == 0 ? seen_ : describe_attempt(k), stop));
+    const std::filesystem::path folder = folder_of(k);
+    make_folder(folder, "attempt");
+    const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
+    all.push_back(std::make_unique<Candidate>(
+        std::move(plan), k == 0 ? seen_ : describe_attempt(k),
+        CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock));
   }
+  return all;
+}
+
+bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
+  auto all = make_candidates(stop, clock);
   FrequentMessage frequent;
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
@@ -198,8 +160,9 @@ bool Attempts::choose(Progress& progress, StopRequest& stop) {
       progress.message(
           fmt::format("attempt {} of {} is tried, because in the attempt before it a handle "
                       "is off by {:.1f} mm",
-                      next - all.begin() + 1, all.size(), 1e3 * (*(next - 1))->attempt().off));
-    (*next)->go_on();
+                      next - all.begin() + 1, all.size(), 1e3 * (*(next - 1))->known().off));
+    start_likeliest(all, **next, settings_.threads);
+    (*next)->show_frame();
     if (frequent.is_due())
       progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
   }
@@ -207,16 +170,25 @@ bool Attempts::choose(Progress& progress, StopRequest& stop) {
   choice.hopeless = !(*best())->is_over();
   choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best() - all.begin());
   for (const auto& candidate : all)
-    if (candidate->attempt().frames > 0) choice.tried.push_back(candidate->attempt());
+    if (candidate->known().frames > 0) choice.tried.push_back(candidate->known());
+  all.clear();  // what is still being simulated is not needed
+  goes_on_ = folder_of(choice.baked) == state_;
+  if (!goes_on_ && first_.polish.triangles == 0) move_checkpoints(folder_of(choice.baked), state_);
   keep_choice(choice);
+  remove_attempts();
   progress.message(describe(choice));
   adopt(std::move(choice));
   has_chosen_ = true;
   return true;
 }
 
+void Attempts::remove_attempts() const {
+  std::error_code none;
+  std::filesystem::remove_all(state_ / "attempts", none);
+}
+
 void Attempts::adopt(AttemptChoice choice) {
-  plan_ = plan_of(choice.baked);
+  if (choice.baked > 0) plan_ = plan_of(choice.baked);  // else who records the first one goes on
   plan_.attempt = std::move(choice);
   watches_ = failing_ = false;
 }
@@ -269,7 +241,7 @@ std::string describe(const AttemptChoice& choice) {
     return text + fmt::format(
                       "; it is baked, because in all {} attempts a handle is off by {:g} % "
                       "of the sheet or more before the end, and they were given up",
-                      choice.tried.size(), hopeless_pct);
+                      choice.tried.size(), AttemptChoice::hopeless_pct);
   if (choice.baked == 0)
     return text + fmt::format("; it is baked, because {} {} not better", others,
                               others == 1 ? "other is" : "others are");

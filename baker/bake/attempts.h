@@ -1,10 +1,10 @@
 #pragma once
 
-#include "baker/bake/stop_request.h"
-#include "baker/job/plan.h"
+#include "baker/bake/candidate.h"
 #include "baker/output/progress.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,8 +27,8 @@ namespace paperbake {
 /// source  this project
 class Attempts {
  public:
-  /// decision  file that keeps what was chosen, for a bake that is stopped and goes on
-  Attempts(const BakeSettings&, const BakePlan&, std::filesystem::path decision);
+  /// state  folder that keeps what was chosen and simulated, for a bake that is stopped and goes on
+  Attempts(const BakeSettings&, const BakePlan&, std::filesystem::path state);
 
   /// Of the attempt that is to be baked.
   const BakePlan& plan() const { return plan_; }
@@ -42,9 +42,13 @@ class Attempts {
   /// Whether this bake has chosen, so that frames which it takes are its own.
   bool has_chosen() const { return has_chosen_; }
 
-  /// Tries others, and chooses among them all.
+  /// Whether what is recorded are the first frames of the attempt that was chosen.
+  bool goes_on() const { return goes_on_; }
+
+  /// Tries others, and chooses among them all. What was simulated of the chosen one are the
+  /// checkpoints of the bake afterwards.
   /// returns  false when it was stopped
-  bool choose(Progress&, StopRequest&);
+  bool choose(Progress&, StopRequest&, StageClock&);
 
  private:
   BakePlan plan_of(std::size_t attempt) const;
@@ -53,13 +57,16 @@ class Attempts {
   std::string key() const;
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
+  std::filesystem::path folder_of(std::size_t attempt) const;
+  std::vector<std::unique_ptr<Candidate>> make_candidates(StopRequest&, StageClock&) const;
+  void remove_attempts() const;
 
   const BakeSettings& settings_;
   const BakePlan& first_;
   BakePlan plan_;
-  std::filesystem::path decision_;
+  std::filesystem::path state_, decision_;
   Attempt seen_;  // of the first attempt
-  bool watches_, failing_ = false, has_chosen_ = false;
+  bool watches_, failing_ = false, has_chosen_ = false, goes_on_ = false;
   bool moved_ = false;  // whether a handle has (have_moved)
 };
 
@@ -67,9 +74,5 @@ class Attempts {
 /// handles allows it to be off.
 /// row  frame - first frame of the scene
 bool have_moved(const std::vector<Handle>&, int row);
-
-/// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it.
-/// Distances that paper cannot bridge (BakePlan::impossible) do not count.
-void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
 
 }  // namespace paperbake

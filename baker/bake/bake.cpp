@@ -49,8 +49,11 @@ void make_folders(const BakeSettings& settings, const OutputFolder& folder) {
 /// returns  the first frame that is to be simulated
 int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pipeline,
                 Progress& progress, Attempts& attempts, std::vector<AnimateOptions>& options) {
+  const int recorded_until = pipeline.recorded_until();
   Checkpoints::ResumePoint resume = checkpoints.load([&](const AnimatedFrame& frame) {
-    progress.taken(plan.shots[frame.sheet_index].sheet_name, frame.frame);
+    if (frame.frame <= recorded_until) return true;
+    if (!attempts.has_chosen())  // else this bake has simulated it
+      progress.taken(plan.shots[frame.sheet_index].sheet_name, frame.frame);
     attempts.watch(frame);
     return pipeline.files().failures.try_write(rest_of_frames, [&] { pipeline.record(frame); });
   });
@@ -64,8 +67,8 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
   return resume.last_frame + 1;
 }
 
-/// First stage: loads or simulates all frames of an attempt and records them, or those until it
-/// fails.
+/// First stage: loads or simulates all frames of an attempt and records those that are not recorded
+/// yet, or those until it fails.
 /// returns  what ended the simulation before its last frame
 std::optional<Error> record_frames(const BakeSettings& settings, const OutputFolder& folder,
                                    BakePipeline& pipeline, Progress& progress, StopRequest& stop,
@@ -81,10 +84,11 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every,
                           resumable ? Reuse::any_of_them : Reuse::all_or_none);
   int first = plan.animation.first_frame;
-  if (settings.resume == Resume::automatic && kept)
+  if ((settings.resume == Resume::automatic || attempts.has_chosen()) && kept)
     first = load_frames(checkpoints, plan, pipeline, progress, attempts, options);
 
   const StageClock::Part part(&pipeline.clock(), Stage::simulate);
+  const int recorded_until = pipeline.recorded_until();
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
   std::optional<Error> failure;
   try {
@@ -92,7 +96,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
       simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
         if (kept) checkpoints.add(frame);
         attempts.watch(frame);
-        if (!queue.push(frame)) return false;
+        if (frame.frame > recorded_until && !queue.push(frame)) return false;
         // polished frames come sheet by sheet
         const bool is_last_sheet =
             plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
@@ -111,12 +115,6 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
     progress.warning("what a later bake would go on from could not be kept: " +
                      checkpoints.failure());
   return failure;
-}
-
-/// returns  false when it was stopped
-bool choose_attempt(Attempts& attempts, Progress& progress, StopRequest& stop, StageClock& clock) {
-  const StageClock::Part part(&clock, Stage::attempts);
-  return attempts.choose(progress, stop);
 }
 
 /// Simulates the twin of a bake and enters its distance into the certificate.
@@ -157,20 +155,22 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   make_folders(settings, folder);
   invalidate_completed_bake(folder.path());
 
-  Attempts attempts(settings, plan, folder.sub(".state") / "attempt");
+  Attempts attempts(settings, plan, folder.sub(".state"));
   StopRequest stop(asks_to_stop);
   StageClock clock;
   std::optional<BakePipeline> recorded;
   std::optional<Error> failure;
   const auto record = [&] {
-    recorded.emplace(settings, attempts.plan(), folder.path(), progress, clock);
+    if (!recorded) recorded.emplace(settings, attempts.plan(), folder.path(), progress, clock);
     failure = record_frames(settings, folder, *recorded, progress, stop, attempts);
   };
   record();
   if (attempts.is_failing() && !failure) {
-    if (choose_attempt(attempts, progress, stop, clock)) {
-      recorded.reset();  // its files are written anew
-      progress.begin_again();
+    if (attempts.choose(progress, stop, clock)) {
+      if (!attempts.goes_on()) {
+        recorded.reset();  // its files are written anew
+        progress.begin_again();
+      }
       record();
     } else
       failure = stopped(settings, plan, attempts.failing_frame());

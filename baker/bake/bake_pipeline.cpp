@@ -55,6 +55,7 @@ bool BakePipeline::needs_plastic_curvature() const {
 
 void BakePipeline::record(const AnimatedFrame& frame) {
   recorders_[frame.sheet_index]->consume(frame);
+  if (frame.sheet_index + 1 == recorders_.size()) recorded_until_ = frame.frame;
   if (shapes_ && context_.plan.frames.contains(frame.frame)) shapes_->add(frame);
 }
 

@@ -9,6 +9,7 @@
 #include "core/model/error.h"
 
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,6 +39,8 @@ class BakePipeline {
   bool needs_plastic_curvature() const;
 
   void record(const AnimatedFrame&);
+  /// The last frame that was recorded; if there is none, one before any.
+  int recorded_until() const { return recorded_until_; }
   /// A frame of the twin, after all frames were recorded; with BakeSettings::twin.
   void record_twin(const AnimatedFrame&);
   std::optional<TwinVerdict> twin() const { return twin_verdict(certificate_.frames()); }
@@ -69,6 +72,7 @@ class BakePipeline {
   TaskQueue tasks_;
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
+  int recorded_until_ = std::numeric_limits<int>::min();
   std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate
   std::optional<SampledShapes> shapes_;                // for the twin
 };

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <mutex>
 #include <optional>
 
 namespace paperbake {
@@ -18,6 +19,7 @@ class StopRequest {
   bool is_time_up();
 
  private:
+  std::mutex mutex_;
   std::function<bool()> asked_;
   std::optional<std::chrono::steady_clock::time_point> since_;  // when it was first seen
 };

@@ -18,6 +18,9 @@ struct Attempt {
 
 /// Which attempt of a shot is baked, and which were tried.
 struct AttemptChoice {
+  // of the longer side: what is off by more never ends well
+  static constexpr double hopeless_pct = 10;
+
   std::size_t baked = 0;  // index into tried
   // all were off by a tenth of the sheet or more before the end of the shot, or failed
   bool hopeless = false;

@@ -86,7 +86,25 @@ void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
   a(f.carried);
 }
 
+/// The checkpoints in a folder, in order; those that were being written when a bake ended, too.
+std::vector<fs::path> checkpoints_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  const std::string begin = "checkpoint.";
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const std::string name = entry.path().filename();
+        name.rfind(begin, 0) == 0 && name.find('.', begin.size()) >= begin.size() + 6)
+      found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace
+
+void move_checkpoints(const fs::path& from, const fs::path& to) {
+  std::error_code none;
+  for (const fs::path& old : checkpoints_in(to)) fs::remove(old, none);
+  for (const fs::path& own : checkpoints_in(from)) fs::rename(own, to / own.filename(), none);
+}
 
 const std::string& program_key() {
   static const std::string key = std::string(program_version) + " " + file_hash("/proc/self/exe");
@@ -114,18 +132,6 @@ fs::path Checkpoints::file(int frames) const {
   return folder_ / fmt::format("checkpoint.{:06}", frames);
 }
 
-/// In order; those that were being written when a bake ended, too.
-std::vector<fs::path> Checkpoints::files() const {
-  std::vector<fs::path> found;
-  const std::string begin = "checkpoint.";
-  for (const auto& entry : fs::directory_iterator(folder_))
-    if (const std::string name = entry.path().filename();
-        name.rfind(begin, 0) == 0 && name.find('.', begin.size()) >= begin.size() + 6)
-      found.push_back(entry.path());
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 const std::string& Checkpoints::input_until(int frame) {
   for (int f = first_frame_ + static_cast<int>(inputs_.size()); f <= frame; ++f)
     inputs_.push_back(frame_input_hash(f == first_frame_ ? start_ : inputs_.back(), plan_.shots, f,
@@ -146,7 +152,7 @@ Checkpoints::ResumePoint Checkpoints::load_chain(
     const std::function<bool(const AnimatedFrame&)>& on_frame) {
   ResumePoint resume{kept_until_, {}, ""};
   bool goes_on = true;
-  for (const fs::path& path : files()) {
+  for (const fs::path& path : checkpoints_in(folder_)) {
     if (path.extension() == ".part") continue;
     try {
       load_one(path, resume, goes_on, on_frame);
@@ -208,7 +214,7 @@ void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes
 void Checkpoints::add(const AnimatedFrame& frame) {
   if (!removed_outdated_) {  // what comes after this frame is no longer what comes after it
     std::error_code none;
-    for (const fs::path& old : files())
+    for (const fs::path& old : checkpoints_in(folder_))
       if (old.filename() > file(kept_until_ - first_frame_ + 1).filename()) fs::remove(old, none);
     removed_outdated_ = true;
   }

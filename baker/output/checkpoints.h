@@ -60,7 +60,6 @@ class Checkpoints {
   void keep_current(int frame);
   std::filesystem::path current() const { return folder_ / "checkpoint.current"; }
   std::filesystem::path file(int frames) const;
-  std::vector<std::filesystem::path> files() const;
   const std::string& input_until(int frame);
 
   std::filesystem::path folder_;
@@ -80,5 +79,8 @@ class Checkpoints {
   std::chrono::steady_clock::time_point kept_at_;         // when something was written
   std::chrono::steady_clock::duration keeping_takes_{0};  // checkpoint.current
 };
+
+/// Moves the checkpoints of one folder to another, where they replace those that are there.
+void move_checkpoints(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace paperbake

@@ -163,6 +163,27 @@ TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheAttemptThatWasChosen) {
   EXPECT_EQ(summary("out").at("attempts"), summary("whole").at("attempts"));
 }
 
+TEST_F(AttemptsTest, TheChoiceDoesNotDependOnTheNumberOfThreads) {
+  run(crumple("one", {}));
+  run(crumple("many", {"--threads", "5"}));  // all attempts at the same time
+  EXPECT_EQ(summary("many").at("attempts"), summary("one").at("attempts"));
+  expect_same("many", "one");
+}
+
+TEST_F(AttemptsTest, WhatIsSimulatedOfOtherAttemptsIsKeptWhenABakeIsKilled) {
+  run(crumple("whole", {}));
+  EXPECT_EQ(bake_until(1, 100, SIGKILL, crumple("out", {}), "is tried"), -1);
+  EXPECT_TRUE(fs::exists(folder / "out/.state/attempts/1"));
+  fs::copy(folder / "out", folder / "anew", fs::copy_options::recursive);
+  run(crumple("out", {}));
+  expect_same("out", "whole");
+  EXPECT_EQ(summary("out").at("attempts"), summary("whole").at("attempts"));
+  EXPECT_FALSE(fs::exists(folder / "out/.state/attempts"));
+  run(crumple("anew", {"--resume", "never"}));
+  expect_same("anew", "whole");
+  EXPECT_EQ(summary("anew").at("attempts"), summary("whole").at("attempts"));
+}
+
 TEST_F(AttemptsTest, ASignalIsHeardWhileOthersAreTried) {
   EXPECT_EQ(bake_until(1, 0, SIGTERM, crumple("out", {}), "is tried"), 5);
   const Ended other = run(crumple("out", {"--seed", "3"}));

@@ -1,0 +1,147 @@
+#include "baker/bake/candidate.h"
+
+#include "baker/output/gates.h"
+#include "core/model/error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <limits>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+/// By how much the paper between a handle and another one is too short: a handle may be off by so
+/// much whatever the attempt. [m]
+double unavoidable(const BakePlan& plan, std::size_t sheet, const std::string& handle) {
+  double most = 0;
+  for (const UnreachablePairOfSheet& i : plan.impossible)
+    if (i.sheet == plan.shots[sheet].sheet_name && (i.pair.a == handle || i.pair.b == handle))
+      most = std::max(most, i.pair.apart - i.pair.allowed);
+  return most;
+}
+
+int frames_of(const BakePlan& plan) {
+  return plan.animation.last_frame - plan.animation.first_frame + 1;
+}
+
+}  // namespace
+
+double tolerance_of_attempts() { return 1e-3 * Gates{}.handle_err_mm; }
+
+void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
+  const Shot& shot = plan.shots[frame.sheet_index];
+  const double side = longer_side(shot.pattern);
+  for (std::size_t h = 0; h < frame.handles.size(); ++h) {
+    const HandleFrame& handle = frame.handles[h];
+    const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);
+    attempt.off_pct = std::max(attempt.off_pct, 100 * off / side);
+    if (off <= attempt.off) continue;
+    attempt.off = off;
+    attempt.frame = frame.frame;
+  }
+}
+
+Candidate::Candidate(BakePlan plan, const Attempt& known, CandidateFolder folder, StopRequest& stop,
+                     StageClock& clock)
+    : plan_(std::move(plan)),
+      folder_(std::move(folder)),
+      clock_(clock),
+      shown_{known},
+      ahead_{known},
+      options_(options_of_sheets(plan_)),
+      now_{known} {
+  for (AnimateOptions& of_sheet : options_) {
+    of_sheet.report_plastic_curvature = true;  // who takes its frames may want maps
+    of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
+  }
+}
+
+bool Candidate::is_over(const State& state) const {
+  return state.attempt.frames == frames_of(plan_);
+}
+
+bool Candidate::is_hopeless(const State& state) {
+  return state.failed || state.attempt.off_pct >= AttemptChoice::hopeless_pct;
+}
+
+double Candidate::badness(const State& state) {
+  return state.failed ? std::numeric_limits<double>::infinity()
+                      : std::max(state.attempt.off, tolerance_of_attempts());
+}
+
+std::string Candidate::describe_state(std::size_t number, std::size_t of) const {
+  return fmt::format("attempt {} of {}: frame {} of {}, a handle is off by {:.1f} mm so far",
+                     number, of, plan_.animation.first_frame + known().frames - 1,
+                     plan_.animation.last_frame, 1e3 * known().off);
+}
+
+void Candidate::start(std::launch on) {
+  task_ = std::async(on, [this] { return simulate(); });
+}
+
+void Candidate::look() {
+  if (task_.valid() && task_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    take_in();
+}
+
+void Candidate::take_in() {
+  for (State& state : task_.get()) not_shown_.push_back(std::move(state));
+  if (!not_shown_.empty()) ahead_ = not_shown_.back();
+}
+
+void Candidate::show_frame() {
+  begun_ = true;
+  if (not_shown_.empty()) take_in();
+  if (not_shown_.empty()) return;
+  shown_ = std::move(not_shown_.front());
+  not_shown_.pop_front();
+}
+
+std::vector<Candidate::State> Candidate::simulate() {
+  const StageClock::Part part(&clock_, Stage::attempts);
+  std::vector<State> states;
+  try {
+    if (!checkpoints_) begin(states);
+    if (states.empty())
+      for (const AnimatedFrame& frame : animation_->next_frame()) {
+        checkpoints_->add(frame);
+        add(frame, states);
+      }
+  } catch (const Error& error) {
+    // whoever stops it knows; anything else the bake itself says, if no attempt is better
+    now_.failed = error.code != ErrorCode::stopped;
+    if (now_.failed) states.push_back(now_);
+  }
+  return states;
+}
+
+void Candidate::begin(std::vector<State>& states) {
+  checkpoints_.emplace(folder_.path, plan_, folder_.checkpoint_every);
+  int last = plan_.animation.first_frame - 1;
+  if (folder_.goes_on) {
+    Checkpoints::ResumePoint resume = checkpoints_->load([&](const AnimatedFrame& frame) {
+      add(frame, states);
+      return true;
+    });
+    last = resume.last_frame;
+    for (std::size_t s = 0; s < resume.states.size(); ++s)
+      options_[s].resume_state = std::move(resume.states[s]);
+  }
+  if (last == plan_.animation.last_frame) return;
+  std::vector<AnimatedSheet> sheets;
+  for (std::size_t s = 0; s < plan_.shots.size(); ++s)
+    sheets.push_back({plan_.shots[s], plan_.methods[s], options_[s]});
+  animation_.emplace(sheets);
+}
+
+/// states  gets one when this was the frame's last sheet, and the frame was not known before
+void Candidate::add(const AnimatedFrame& frame, std::vector<State>& states) {
+  add_frame(now_.attempt, frame, plan_);
+  if (frame.sheet_index + 1 < plan_.shots.size() || ++frames_ <= now_.attempt.frames) return;
+  now_.attempt.frames = frames_;
+  states.push_back(now_);
+}
+
+}  // namespace paperbake

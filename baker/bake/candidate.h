@@ -1,0 +1,101 @@
+#pragma once
+
+#include "baker/bake/stage_clock.h"
+#include "baker/bake/stop_request.h"
+#include "baker/job/plan.h"
+#include "baker/output/checkpoints.h"
+#include "core/animation/animate.h"
+
+#include <deque>
+#include <filesystem>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Where a candidate keeps the frames that it simulates, and whether those that it finds there are
+/// its own.
+struct CandidateFolder {
+  std::filesystem::path path;
+  bool goes_on = false;  // from the checkpoints in it
+  int checkpoint_every = 12;
+};
+
+/// An attempt that is being simulated. It may be simulated ahead of what is known() of it, on
+/// another thread. Only what show_frame() has shown counts, so that a choice among candidates does
+/// not depend on the number of threads.
+class Candidate {
+ public:
+  /// plan   of the attempt
+  /// known  of it before: of its first known.frames frames
+  Candidate(BakePlan plan, const Attempt& known, CandidateFolder, StopRequest&, StageClock&);
+
+  const Attempt& known() const { return shown_.attempt; }
+  /// Whether it has shown a frame.
+  bool has_begun() const { return begun_; }
+  bool is_over() const { return is_over(shown_); }
+  bool is_hopeless() const { return is_hopeless(shown_); }
+  /// What attempts are compared by: all that are within the tolerance are alike.
+  double badness() const { return badness(shown_); }
+  /// A sentence for people on how far it is.
+  std::string describe_state(std::size_t number, std::size_t of) const;
+
+  bool is_busy() const { return task_.valid(); }
+  /// Whether the next frame to be shown is simulated.
+  bool has_frame() const { return !not_shown_.empty(); }
+  /// Whether there is a reason to simulate another frame: it is not over or hopeless as far as it
+  /// is simulated. To be asked while it is not busy.
+  bool can_go_on() const { return !is_over(ahead_) && !is_hopeless(ahead_); }
+  /// badness() as far as it is simulated, a frame that is being simulated not counted.
+  double badness_ahead() const { return badness(ahead_); }
+  /// Starts to simulate the next frame. To be called while it is not busy.
+  /// on  std::launch::deferred: show_frame() simulates it
+  void start(std::launch on);
+  /// Takes in what was simulated since it was started, if that is done.
+  void look();
+  /// Makes the next frame known: waits for it where it is not simulated yet. Shows none when the
+  /// bake is stopped.
+  void show_frame();
+
+ private:
+  /// What is known after a frame.
+  struct State {
+    Attempt attempt;
+    bool failed = false;
+  };
+  bool is_over(const State&) const;
+  static bool is_hopeless(const State&);
+  static double badness(const State&);
+
+  void take_in();
+  std::vector<State> simulate();
+  void begin(std::vector<State>&);
+  void add(const AnimatedFrame&, std::vector<State>&);
+
+  BakePlan plan_;
+  CandidateFolder folder_;
+  StageClock& clock_;
+  State shown_, ahead_;
+  std::deque<State> not_shown_;  // after each frame from the one after shown_ to ahead_
+  bool begun_ = false;
+
+  // of the task while there is one
+  std::vector<AnimateOptions> options_;
+  State now_;
+  int frames_ = 0;  // simulated
+  std::optional<Checkpoints> checkpoints_;
+  std::optional<Animation> animation_;
+
+  std::future<std::vector<State>> task_;  // the last member: it ends before the others do
+};
+
+/// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
+double tolerance_of_attempts();
+
+/// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it.
+/// Distances that paper cannot bridge (BakePlan::impossible) do not count.
+void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
+
+}  // namespace paperbake
