@@ -194,7 +194,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   gates.max_stretch_pct = context_.settings.max_stretch_pct;
   BakeOutcome outcome;
   const std::vector<MissedGate> missed = missed_gates(gates, certificate_.frames(), plan);
-  for (const MissedGate& gate : missed) outcome.missed.push_back(gate.sentence);
+  outcome.missed = with_advice(missed);
   const bool is_told = std::any_of(missed.begin(), missed.end(), [](const MissedGate& gate) {
     return gate.gate == Gate::handles;
   });

@@ -28,7 +28,8 @@ void add_bake(CLI::App& app, BakeArguments& parsed) {
                            "Check everything and print the job, but write nothing");
   parsed.command->add_option("--write-job", parsed.write_job,
                              "Write a job file that says the same, with all that it could say; "
-                             "without -o that is all that is done. Refuses to overwrite a file");
+                             "without -o that is all that is done. Refuses to overwrite a file. "
+                             "-: to stdout");
   parsed.command->add_flag("--force", parsed.force, "Let --write-job overwrite a file");
   parsed.command->add_option(
       "--log", parsed.log,
@@ -37,6 +38,10 @@ void add_bake(CLI::App& app, BakeArguments& parsed) {
 
 /// throws Error(ErrorCode::command) when the job would overwrite something, such as the scene
 void write_job(const BakeArguments& parsed, const BakeSettings& settings) {
+  if (*parsed.write_job == "-") {
+    fmt::print("{}", job_text(settings, std::filesystem::current_path() / "job.toml"));
+    return;
+  }
   std::error_code none;
   if (!parsed.force && std::filesystem::exists(*parsed.write_job, none))
     throw Error(ErrorCode::command, parsed.write_job->string(),
@@ -59,7 +64,7 @@ int run_bake(const BakeArguments& parsed) {
     const BakePlan plan = plan_bake(settings);  // what cannot be baked is not written
     write_job(parsed, settings);
     if (settings.output.empty()) {
-      fmt::print("{}\n", parsed.write_job->string());
+      if (*parsed.write_job != "-") fmt::print("{}\n", parsed.write_job->string());
       return plan.impossible.empty() ? 0 : gate_missed;
     }
   }

@@ -156,6 +156,8 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
     std::vector<ExpectedCrease> expected = expected_creases(sheet, plan.animation.first_frame);
     plan.crease_lines.push_back(crease_lines(sheet, expected));
     record_creases(sheet, plan.crease_lines.back(), used);
+    for (const std::string& sentence : sheet.handles_off)
+      plan.start_faults.push_back({sheet.name, sentence});
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
     add_expected_creases(plan.shots.back(), std::move(expected));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));

@@ -21,6 +21,12 @@ struct UnreachablePairOfSheet {
   UnreachablePair pair;
 };
 
+/// What is wrong with a sheet where it begins, and may be why it cannot follow later.
+struct StartFault {
+  std::string sheet;
+  std::string sentence;  // the beginning of one of BakePlan::warnings
+};
+
 /// Without --map-frames debug pictures are drawn of every 6th frame, of the last one, and of frames
 /// with a new singular point.
 constexpr int debug_picture_step = 6;
@@ -54,6 +60,7 @@ struct BakePlan {
       accuracy;                          // how the size of the mesh was chosen; none: it was given
   std::optional<AttemptChoice> attempt;  // none: the first one is baked, and no other was tried
   std::vector<UnreachablePairOfSheet> impossible;
+  std::vector<StartFault> start_faults;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml
   // of each sheet, together with those it may touch: version, settings, paper, pattern, start

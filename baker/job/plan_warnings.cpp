@@ -69,6 +69,7 @@ void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& pla
           "Move one of them apart in the first frame, or give the collider the property "
           "paper_collider = \"inside\" or \"outside\", which says where the paper stays.";
       if (settings.strict) throw Error(ErrorCode::scene, settings.scene.string(), cause, remedy);
+      plan.start_faults.push_back({shot.sheet_name, cause});
       plan.warnings.push_back(cause + " " + remedy);
     }
   }
@@ -121,6 +122,8 @@ void warn_of_map_frames(const BakeSettings& settings, BakePlan& plan) {
 
 void warn_of_doubtful_values(BakePlan& plan) {
   constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
+  constexpr double most_wind = 60, most_density = 10;    // [m/s]; [kg/m3]
+  constexpr double thinnest = 10;                        // [1] sides in thicknesses
   const double gravity = plan.animation.elastic.forces.gravity, fps = plan.animation.fps;
   if (std::abs(gravity) > most_gravity)
     plan.warnings.push_back(
@@ -133,6 +136,19 @@ void warn_of_doubtful_values(BakePlan& plan) {
   if (fps > most_fps)
     plan.warnings.push_back(
         fmt::format("There are {:g} frames a second: is that meant? Films have 24.", fps));
+  for (const Wind& wind : plan.animation.elastic.air.winds)
+    if (const double speed = wind.velocity.rowwise().norm().maxCoeff(); speed > most_wind)
+      plan.warnings.push_back(
+          fmt::format("The wind \"{}\" blows at {:.0f} m/s: is that meant? A hurricane has 33.",
+                      wind.name, speed));
+  if (const double density = plan.animation.elastic.air.density; density > most_density)
+    plan.warnings.push_back(
+        fmt::format("The air has {:g} kg/m3: is that meant? That of the earth has 1.2.", density));
+  for (const Shot& shot : plan.shots)
+    if (const double width = shorter_side(shot.pattern); width < thinnest * shot.paper.thickness)
+      plan.warnings.push_back(
+          fmt::format("The sheet \"{}\" is {:.2g} mm wide, and {:.2g} mm thick: is that meant?",
+                      shot.sheet_name, 1e3 * width, 1e3 * shot.paper.thickness));
   const Handle* late = nullptr;
   for (const Shot& shot : plan.shots)
     for (const Handle& handle : shot.handles)

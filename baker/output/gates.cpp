@@ -9,6 +9,30 @@
 namespace paperbake {
 namespace {
 
+/// What to do about a missed gate.
+std::string advice(Gate gate) {
+  switch (gate) {
+    case Gate::lengths:
+      return "The paper could not follow: move the handles more slowly there. If it is so from the "
+             "first frame on, mark the creases of the folded sheet, or move away what stands in "
+             "it.";
+    case Gate::handles:
+      return "Something is in the way of the paper there, there is too little of it, or its mesh "
+             "is "
+             "too coarse: move the handles less far or more slowly, or bake with more "
+             "--base-triangles; cert/handles.csv says which handles.";
+    case Gate::crossings:
+      return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
+    case Gate::colliders:
+      return "Move the collider away from where the paper begins, move it more slowly, or bake "
+             "with more --base-triangles.";
+    case Gate::reach:
+      return "Bring these handles closer to each other, or accept that the paper follows them as "
+             "far as it can.";
+  }
+  return "";
+}
+
 /// The lines of a certificate and the sentences about them.
 class Review {
  public:
@@ -37,7 +61,8 @@ class Review {
         {gate,
          fmt::format("Frame {}{}: {}.{}", worst->frame,
                      several_sheets_ ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
-                     sentence(*worst, value(*worst)), also)});
+                     sentence(*worst, value(*worst)), also),
+         advice(gate)});
   }
 
   std::vector<MissedGate> missed;
@@ -112,24 +137,56 @@ void review_crossings(Review& review) {
       pairs("rendered triangles of two sheets"));
 }
 
+bool has_start_fault(const BakePlan& plan, const std::string& sheet) {
+  return std::any_of(plan.start_faults.begin(), plan.start_faults.end(),
+                     [&](const StartFault& fault) { return fault.sheet == sheet; });
+}
+
+/// What touches a sheet in a frame, and may be in the way of its handles.
+std::string what_touches(const FrameRecord& f, const BakePlan& plan) {
+  const FrameStatistics& now = f.statistics;
+  std::vector<std::string> found;
+  if (now.on_colliders > 0) {
+    const auto shot = std::find_if(plan.shots.begin(), plan.shots.end(),
+                                   [&](const Shot& shot) { return shot.sheet_name == f.sheet; });
+    const bool only_one =
+        shot != plan.shots.end() && shot->colliders && shot->colliders->size() == 1;
+    found.push_back(only_one ? fmt::format("the collider \"{}\"", (*shot->colliders)[0].mesh().name)
+                             : "a collider");
+  }
+  if (now.touching_others > 0) found.push_back("another sheet");
+  if (now.touching > 0) found.push_back("itself");
+  return fmt::format("{}", fmt::join(found, " and "));
+}
+
 /// The handle that the paper could follow least, if one is known, and why it could not.
-std::string worst_jam(const FrameRecord& f, const std::vector<UnreachablePairOfSheet>& impossible) {
+std::string worst_jam(const FrameRecord& f, const BakePlan& plan) {
   const auto worst =
       std::max_element(f.jammed.begin(), f.jammed.end(),
                        [](const Jam& a, const Jam& b) { return a.off_mm < b.off_mm; });
   if (worst == f.jammed.end()) return "";
-  const bool out_of_reach =
-      std::any_of(impossible.begin(), impossible.end(), [&](const UnreachablePairOfSheet& i) {
+  const bool out_of_reach = std::any_of(
+      plan.impossible.begin(), plan.impossible.end(), [&](const UnreachablePairOfSheet& i) {
         return i.sheet == f.sheet && i.pair.first <= f.frame && f.frame <= i.pair.last &&
                (i.pair.a == worst->handle || i.pair.b == worst->handle);
       });
-  const FrameStatistics& now = f.statistics;
-  const bool is_free = now.touching + now.touching_others + now.on_colliders == 0;
-  return fmt::format(" (\"{}\" is {})", worst->handle,
-                     out_of_reach ? "keyed beyond the reach of the paper"
-                     : is_free ? "jammed, though nothing touches the sheet: its mesh does not fold "
-                                 "any farther; try more --base-triangles, or slower keys"
-                               : "jammed");
+  const std::string touches = what_touches(f, plan);
+  return fmt::format(
+      " (\"{}\" is {})", worst->handle,
+      out_of_reach       ? "keyed beyond the reach of the paper"
+      : !touches.empty() ? "jammed; the sheet touches " + touches
+      : has_start_fault(plan, f.sheet)
+          ? "jammed"
+          : "jammed, though nothing touches the sheet: its mesh does not fold any farther");
+}
+
+/// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.
+void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedGate>& missed) {
+  if (missed.empty() || faults.empty()) return;
+  missed.front().sentence += " This may be the cause: " + faults.front().sentence;
+  if (faults.size() > 1)
+    missed.front().sentence +=
+        fmt::format(" {} more faults are told by warnings.", faults.size() - 1);
 }
 
 }  // namespace
@@ -173,27 +230,6 @@ std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
   return good;
 }
 
-std::string advice(Gate gate) {
-  switch (gate) {
-    case Gate::lengths:
-      return "The paper could not follow: move the handles more slowly there. If it is so from the "
-             "first frame on, mark the creases of the folded sheet, or move away what stands in "
-             "it.";
-    case Gate::handles:
-      return "Something is in the way of the paper there, or there is too little of it: move the "
-             "handles less far or more slowly; cert/handles.csv says which.";
-    case Gate::crossings:
-      return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
-    case Gate::colliders:
-      return "Move the collider away from where the paper begins, move it more slowly, or bake "
-             "with more --base-triangles.";
-    case Gate::reach:
-      return "Bring these handles closer to each other, or accept that the paper follows them as "
-             "far as it can.";
-  }
-  return "";
-}
-
 std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
                                      const BakePlan& plan) {
   Review review(frames, plan.shots.size() > 1);
@@ -203,7 +239,7 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
       [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       [&](const FrameRecord& f, double value) {
         return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
-                           gates.handle_err_mm, worst_jam(f, plan.impossible));
+                           gates.handle_err_mm, worst_jam(f, plan));
       });
   if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
     if (const std::string unsolved = describe_unsolved(frames); !unsolved.empty())
@@ -223,8 +259,20 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
          plan.impossible.size() == 1
              ? describe(plan.impossible.front())
              : fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
-                           plan.impossible.size(), describe(plan.impossible.front()))});
+                           plan.impossible.size(), describe(plan.impossible.front())),
+         advice(Gate::reach)});
+  std::set<Gate> advised;
+  for (MissedGate& m : review.missed)
+    if (!advised.insert(m.gate).second) m.advice.clear();
+  add_start_faults(plan.start_faults, review.missed);
   return review.missed;
+}
+
+std::vector<std::string> with_advice(const std::vector<MissedGate>& missed) {
+  std::vector<std::string> sentences;
+  for (const MissedGate& m : missed)
+    sentences.push_back(m.advice.empty() ? m.sentence : m.sentence + " " + m.advice);
+  return sentences;
 }
 
 }  // namespace paperbake

@@ -26,6 +26,8 @@ enum class Gate { lengths, handles, crossings, colliders, reach };
 struct MissedGate {
   Gate gate;
   std::string sentence;  // with its worst frame and, for handles, the cause where it is known
+  // what to do about it; empty where a gate before it has the same
+  std::string advice;
 };
 
 /// The gates that were missed. Empty: none was.
@@ -41,7 +43,7 @@ std::string describe_unsolved(const std::vector<FrameRecord>&);
 std::vector<std::string> good_news(const std::vector<FrameRecord>&,
                                    const std::vector<MissedGate>& missed);
 
-/// What to do about a missed gate.
-std::string advice(Gate);
+/// The sentences with their advice, as people read them in a log.
+std::vector<std::string> with_advice(const std::vector<MissedGate>&);
 
 }  // namespace paperbake

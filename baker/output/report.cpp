@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <set>
 
 namespace paperbake {
 namespace {
@@ -150,11 +149,8 @@ Json colliders_json(const Colliders& colliders, const std::vector<int>& frames, 
 /// Each missed gate with what to do about it, and what failed.
 Json missed_json(const BakeEnding& ending) {
   Json all = Json::array();
-  std::set<Gate> given;  // the same advice once
-  for (const MissedGate& missed : ending.missed) {
-    const bool is_new = given.insert(missed.gate).second;
-    all.push_back({{"sentence", missed.sentence}, {"advice", is_new ? advice(missed.gate) : ""}});
-  }
+  for (const MissedGate& missed : ending.missed)
+    all.push_back({{"sentence", missed.sentence}, {"advice", missed.advice}});
   if (!ending.failure.empty()) all.push_back({{"sentence", ending.failure}, {"advice", ""}});
   return all;
 }

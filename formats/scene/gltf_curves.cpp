@@ -126,6 +126,20 @@ std::vector<Track<Vector3d>> shape_tracks(const std::vector<double>& times,
   return tracks;
 }
 
+/// "key at 0.5 s" or "time of key 2": the first one that contains what is no number; empty: none.
+std::string first_key_without_number(const std::vector<double>& times,
+                                     const std::vector<double>& numbers) {
+  const auto is_bad = [](double n) { return !std::isfinite(n); };
+  const auto time = std::find_if(times.begin(), times.end(), is_bad);
+  const auto number = std::find_if(numbers.begin(), numbers.end(), is_bad);
+  if (time != times.end()) return fmt::format("time of key {}", time - times.begin() + 1);
+  if (number == numbers.end()) return "";
+  if (times.empty()) return "first key";
+  const std::size_t each = std::max<std::size_t>(1, numbers.size() / times.size());
+  const std::size_t key = (number - numbers.begin()) / each;
+  return fmt::format("key at {:g} s", times[std::min(key, times.size() - 1)]);
+}
+
 void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Take& take) {
   const Json& nodes = list(file.json(), "nodes");
   const auto target = target_of(channel, nodes.size());
@@ -139,12 +153,10 @@ void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Tak
       file.numbers(index(sampler, "input", accessors), 1, Integers::normalized);
   const std::vector<double> numbers =
       file.numbers(index(sampler, "output", accessors), width, Integers::normalized);
-  const auto finite = [](double n) { return std::isfinite(n); };
-  if (!std::all_of(times.begin(), times.end(), finite) ||
-      !std::all_of(numbers.begin(), numbers.end(), finite))
+  if (const std::string bad = first_key_without_number(times, numbers); !bad.empty())
     throw Error(ErrorCode::scene,
                 fmt::format("node \"{}\"", gltf::name(nodes, target->node, "nodes")),
-                "A key contains a value that is not a number.", export_again);
+                fmt::format("Its {} contains a value that is not a number.", bad), export_again);
   const std::string interpolation = text(sampler, "interpolation", "LINEAR");
   if (target->path == "weights") {
     take.shapes[static_cast<int>(target->node)] = shape_tracks(times, numbers, interpolation);

@@ -53,6 +53,8 @@ struct SceneSheet {
   SingularPointRules singular_point_rules;
   // where each prescribed crease comes from: "job", "edges marked in the mesh", the name of a node
   std::vector<std::string> crease_origin;
+  // a sentence for each handle that is not on the sheet where it begins, one of the warnings too
+  std::vector<std::string> handles_off;
 };
 
 /// A property of a handle that comes from a job file.

@@ -221,13 +221,17 @@ void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle&
   }
 }
 
-void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const SceneSheet& sheet,
+void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, SceneSheet& sheet,
                         double distance, std::vector<std::string>& warnings) {
-  if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm())
-    warnings.push_back(
+  if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm()) {
+    sheet.handles_off.push_back(
         fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it pulls the "
                     "nearest sheet point.",
                     handle.name, 1000 * distance, scene.first_frame));
+    warnings.push_back(sheet.handles_off.back() +
+                       " Move it onto the sheet, or give it the property paper_mode = "
+                       "\"relative\", by which it moves the point as far as it moves itself.");
+  }
   if (const double diagonal = extent(sheet.pattern).norm();
       handle.radius && *handle.radius > diagonal)
     warnings.push_back(
@@ -262,6 +266,18 @@ void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& foun
                       nodes[handle.node].name, group->second));
 }
 
+/// Warns of things that are likely to be taken for handles by mistake, such as a "handlebar".
+void warn_of_props(const SceneNodes& scene, const std::vector<HandleNode>& found,
+                   std::vector<std::string>& warnings) {
+  for (const HandleNode& handle : found)
+    if (const ImportedNode& node = scene.file.nodes[handle.node];
+        !node.meshes.empty() && is_longer_word(node.name, "handle"))
+      warnings.push_back(
+          fmt::format("The mesh \"{}\" is taken for a handle, because its name begins with "
+                      "\"handle\": if it is none, rename it or give it paper_ignore.",
+                      node.name));
+}
+
 void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handles,
                        std::vector<std::string>& warnings) {
   const auto still = [](const Handle& handle) {
@@ -290,6 +306,7 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   }
   const std::vector<bool> by_scale = read_motion(scene, found, handles);
   warn_of_groups(scene, found, warnings);
+  warn_of_props(scene, found, warnings);
   warn_of_stillness(scene, handles, warnings);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const HandleAttachment attachment = attach(scene, sheets, found[i], handles[i].keyed.row(0));
@@ -302,8 +319,11 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   }
   for (const SceneSheet& sheet : sheets)
     if (sheet.handles.empty())
-      warnings.push_back(
-          fmt::format("The sheet \"{}\" has no handle: nothing holds it.", sheet.name));
+      warnings.push_back(fmt::format("The sheet \"{}\" has no handle: nothing holds it.{}",
+                                     sheet.name,
+                                     is_longer_word(sheet.name, "paper")
+                                         ? " If it is no sheet, rename it or give it paper_ignore."
+                                         : ""));
 }
 
 }  // namespace paperbake

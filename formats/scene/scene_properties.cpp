@@ -1,12 +1,14 @@
 #include "formats/scene/scene_properties.h"
 
 #include "core/model/error.h"
+#include "formats/config/nearest_word.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -103,6 +105,12 @@ std::string matched_name(std::string_view raw) {
 
 bool name_begins_with(std::string_view raw, std::string_view prefix) {
   return matched_name(raw).compare(0, prefix.size(), prefix) == 0;
+}
+
+bool is_longer_word(std::string_view raw, std::string_view prefix) {
+  const std::string name = matched_name(raw);
+  return name.compare(0, prefix.size(), prefix) == 0 && name.size() > prefix.size() &&
+         std::isalpha(static_cast<unsigned char>(name[prefix.size()]));
 }
 
 bool is_tail_leaf(const std::string& name, const std::string& bone) {
@@ -216,7 +224,8 @@ std::vector<std::string> unknown_properties(const std::vector<ImportedNode>& nod
       if (key.rfind("paper_", 0) == 0 && std::find(known_properties.begin(), known_properties.end(),
                                                    key) == known_properties.end())
         warnings.push_back(
-            fmt::format("The property {} of node \"{}\" is unknown and ignored.", key, node.name));
+            fmt::format("The property {} of node \"{}\" is unknown and ignored.{}", key, node.name,
+                        did_you_mean(key, {known_properties.begin(), known_properties.end()})));
   return warnings;
 }
 

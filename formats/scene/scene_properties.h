@@ -20,6 +20,8 @@ PropertyValue text_or_list(const std::string&);
 /// Letter". A node is identified by its full name.
 std::string matched_name(std::string_view raw);
 bool name_begins_with(std::string_view raw, std::string_view prefix);
+/// Whether it begins so and goes on as a word, such as "Paperclip" with "paper".
+bool is_longer_word(std::string_view raw, std::string_view prefix);
 
 /// Whether `name` is that of the leaf node by which exporters mark the tail of a bone: "arm_end"
 /// (FBX) or "arm_leaf" (glTF) for "arm".

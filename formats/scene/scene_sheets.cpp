@@ -182,12 +182,6 @@ bool is_named_sheet(const ImportedNode& node) {
          !flag_property(node, "paper_ignore");
 }
 
-/// Whether the name goes on as a word, such as "Paperclip".
-bool is_longer_word(const std::string& name) {
-  const std::string matched = matched_name(name);
-  return matched.size() > 5 && std::isalpha(static_cast<unsigned char>(matched[5]));
-}
-
 /// The error of a mesh that is taken for a sheet because of its name.
 Error taken_for_sheet(const Error& error) {
   return Error(error.code, error.place, error.cause,
@@ -215,7 +209,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
     try {
       sheets.push_back(read_sheet(scene, i, world, options, overrides[i], warnings));
     } catch (const Error& error) {
-      if (!is_longer_word(node.name)) throw;
+      if (!is_longer_word(node.name, "paper")) throw;
       if (!no_sheet) no_sheet = taken_for_sheet(error);
       warnings.push_back(
           fmt::format("\"{}\" is ignored, although its name begins with \"paper\". {}", node.name,

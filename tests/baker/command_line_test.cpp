@@ -87,6 +87,7 @@ TEST_F(CommandLineTest, AJobOverwritesAFileOnlyWhenToldAndTheSceneNever) {
   EXPECT_TRUE(
       is_error(run({"bake", scene, "--write-job", scene, "--force"}), 2, scene, "scene itself"));
   EXPECT_EQ(read(scene), bytes);
+  EXPECT_EQ(run({"bake", scene, "--write-job", "-"}).out.rfind("# A job", 0), 0u) << "to stdout";
 }
 
 TEST_F(CommandLineTest, FilesHaveTheNameThatIsGivenAndAJobOfNoNameThatOfItsScene) {
@@ -137,6 +138,9 @@ TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   EXPECT_FALSE(warns({"--gravity", "9.81"}, "Gravity"));
   EXPECT_TRUE(warns({"--fps", "9999"}, "9999 frames a second"));
   EXPECT_FALSE(warns({"--fps", "120"}, "is that meant?"));
+  EXPECT_TRUE(warns({"--wind", "500,0,0"}, "blows at 500 m/s"));
+  EXPECT_TRUE(warns({"--air", "1200"}, "The air has 1200 kg/m3"));
+  EXPECT_FALSE(warns({"--wind", "20,0,0", "--air", "1.2"}, "is that meant?"));
 }
 
 TEST_F(CommandLineTest, AMeshThatCanHardlyBendIsAskedAbout) {

@@ -54,6 +54,18 @@ void expect_same(const std::vector<Seen>& once, const std::vector<Seen>& again) 
   }
 }
 
+TEST(PlanTest, ASheetAsNarrowAsItIsThickIsQuestioned) {
+  BakePlan plan = plan_of("S4_crumple.glb", "hybrid", 2);
+  plan.warnings.clear();
+  warn_of_doubtful_values(plan);
+  EXPECT_TRUE(plan.warnings.empty()) << plan.warnings.front();
+  plan.shots[0].pattern.outline = {{0, 0}, {1, 0}, {1, 1e-4}, {0, 1e-4}};
+  warn_of_doubtful_values(plan);
+  ASSERT_EQ(plan.warnings.size(), 1u);
+  EXPECT_NE(plan.warnings[0].find("0.1 mm wide, and 0.09 mm thick"), std::string::npos)
+      << plan.warnings[0];
+}
+
 TEST(PlanTest, GivesTheSameCrumpleEveryTimeItIsSimulated) {
   const BakePlan plan = plan_of("S4_crumple.glb", "hybrid", 32);
   const std::vector<Seen> once = frames_of(plan);

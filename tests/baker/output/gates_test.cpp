@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -125,7 +126,7 @@ TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
   const std::vector<std::string> rest = good_news(frames, missed);
   ASSERT_EQ(missed.size(), 1u);
   EXPECT_EQ(rest, std::vector<std::string>(all.begin() + 1, all.end()));
-  EXPECT_NE(advice(missed[0].gate).find("more slowly"), std::string::npos);
+  EXPECT_NE(missed[0].advice.find("more slowly"), std::string::npos);
 }
 
 TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
@@ -144,11 +145,18 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
   frames[1].statistics.handle_error_max = 0.04;
   for (const int k : {1, 2}) frames[k].step_unsolved = true;
   const std::string sentence = missed_gates({}, frames, plan).at(0).sentence;
-  EXPECT_NE(sentence.find("(\"handle.b\" is jammed)"), std::string::npos)
+  EXPECT_NE(sentence.find("(\"handle.b\" is jammed; the sheet touches itself)"), std::string::npos)
       << "in that frame it is within reach: " << sentence;
   frames[1].statistics.touching = 0;
-  EXPECT_NE(missed_gates({}, frames, plan).at(0).sentence.find("try more --base-triangles"),
+  EXPECT_NE(missed_gates({}, frames, plan).at(0).sentence.find("though nothing touches"),
             std::string::npos);
+  plan.start_faults = {
+      {"paper", "The sheet \"paper\" begins 10.00 mm deep in the collider \"c\"."}};
+  const std::string from_the_start = missed_gates({}, frames, plan).at(0).sentence;
+  EXPECT_EQ(from_the_start.find("though nothing touches"), std::string::npos) << from_the_start;
+  EXPECT_NE(from_the_start.find("This may be the cause: The sheet \"paper\" begins 10.00 mm deep"),
+            std::string::npos)
+      << from_the_start;
   EXPECT_NE(sentence.find("In 2 frames from 9 to 10 the sheet stands still because the step was "
                           "not solved"),
             std::string::npos)
@@ -168,10 +176,14 @@ TEST(Gates, EveryMissedGateHasAnAdvice) {
   plan.impossible.resize(1);
   const std::vector<MissedGate> missed = missed_gates({}, {bad}, plan);
   EXPECT_EQ(missed.size(), 10u);
-  for (const MissedGate& m : missed) EXPECT_FALSE(advice(m.gate).empty()) << m.sentence;
+  std::set<Gate> advised;
+  for (const MissedGate& m : missed)
+    EXPECT_EQ(m.advice.empty(), !advised.insert(m.gate).second)
+        << "each advice is given once: " << m.sentence;
+  EXPECT_EQ(with_advice(missed)[0], missed[0].sentence + " " + missed[0].advice);
   EXPECT_TRUE(good_news({bad}, missed).empty());
   EXPECT_TRUE(std::any_of(missed.begin(), missed.end(), [](const MissedGate& m) {
-    return m.sentence.find("(\"handle.b\" is jammed)") != std::string::npos;
+    return m.sentence.find("(\"handle.b\" is jammed; ") != std::string::npos;
   }));
 }
 

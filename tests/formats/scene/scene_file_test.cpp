@@ -138,6 +138,7 @@ TEST(SceneFile, NotANumberIsAnError) {
   HeldSheet fixture;
   fixture.move(fixture.fixed, {1, 5}, {{0, 0, 0}, {0, nan, 0}});
   EXPECT_ERROR(fixture.write("nan_key.gltf"), "node \"handle.fixed\"");
+  EXPECT_ERROR(fixture.write("nan_key.gltf"), "Its key at 0.20");
 }
 
 TEST(SceneFile, StartFrameMovesTheFirstKey) {
@@ -210,6 +211,24 @@ TEST(SceneFile, AMeshWhoseNameGoesOnAsAnotherWordIsIgnoredWhenItIsNoSheet) {
   test::HeldSheet ignored;
   ignored.mesh("paper.solid", box, R"({"paper_ignore":true})");
   EXPECT_EQ(read_scene(ignored.write("ignored.gltf")).sheets.size(), 1u);
+}
+
+TEST(SceneFile, WhatIsTakenForSomethingByItsNameIsSaid) {
+  test::HeldSheet held(test::grid(2, 2, 0.1, 0.1), R"({"paper_prest":"copy80"})");
+  held.mesh("handlebar", test::grid(1, 1, 0.05, 0.05));
+  const Scene scene = read_scene(held.write("bar.gltf"));
+  EXPECT_TRUE(test::has_warning(scene, "\"handlebar\" is taken for a handle"));
+  EXPECT_FALSE(test::has_warning(scene, "\"handle.fixed\" is taken"));
+  EXPECT_TRUE(test::has_warning(scene, "ignored. Did you mean \"paper_preset\"?"));
+}
+
+TEST(SceneFile, AHandleBesideItsSheetIsSaidWithARemedyAndKept) {
+  test::HeldSheet held(test::grid(2, 2, 0.1, 0.1));
+  held.node("handle.far", {0.05, 0.05, 0.01});
+  const Scene scene = read_scene(held.write("far.gltf"));
+  ASSERT_EQ(scene.sheets.at(0).handles_off.size(), 1u);
+  EXPECT_TRUE(test::has_warning(
+      scene, scene.sheets[0].handles_off[0] + " Move it onto the sheet, or give it"));
 }
 
 TEST(SceneFile, UvSetsAndCustomPropertiesOfTheSheetAreRead) {
