@@ -243,9 +243,10 @@ bool SheetSimulation::comes_to_rest() const {
   constexpr int frames = 2;
   if (!simulated_.has_inertia()) return idle_frames_ >= frames;
   // A sheet with inertia is slow, too, where a swing turns back, and where it stands in a balance
-  // that it is about to lose: there nothing but its weight decides.
+  // that it is about to lose: there nothing but its weight decides. And one whose steps are not
+  // solved may stand in the air.
   constexpr int frames_with_inertia = 6;
-  return idle_frames_ >= frames_with_inertia && outcome_.rests_on_contact &&
+  return idle_frames_ >= frames_with_inertia && outcome_.rests_on_contact && outcome_.at_minimum &&
          options_.elastic.air.winds.empty();
 }
 

@@ -199,6 +199,13 @@ class SheetSimulation {
   /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other, or
   /// that it stretches instead of bending.
   bool is_held_back_by_mesh() const;
+  /// Goes back to the start of the step, on a finer mesh. Where its edges cut into a collider,
+  /// because those of the mesh before it went round the collider elsewhere, it is pushed out.
+  /// returns  false if there is no finer mesh, or if it cannot be pushed out: the step stays
+  bool go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start, const AdmissibilityCheck&);
+  /// Pushes the sheet out of the colliders where they are as the step begins.
+  /// returns  whether it is outside, and does not pass through anything else
+  bool leave_colliders(const AdmissibilityCheck&);
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
   /// doublings  of the number of triangles, at most
   bool refine_mesh(SimulatedSheet::Snapshot&& start, int doublings);

@@ -119,6 +119,34 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doubling
   return true;
 }
 
+bool SheetSimulation::go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start,
+                                            const AdmissibilityCheck& is_admissible) {
+  const SimulatedSheet::Snapshot end = simulated_.snapshot();
+  const std::vector<char> fixed = simulated_.fixed;
+  const FrameStepResult step = now_.step;
+  if (!refine_mesh(std::move(start), stretches_instead_of_bending() ? doublings_to_bend : 1))
+    return false;
+  if (leave_colliders(is_admissible)) return true;
+  restore(SimulatedSheet::Snapshot(end));
+  simulated_.fixed = fixed;
+  now_.step = step;
+  return false;
+}
+
+bool SheetSimulation::leave_colliders(const AdmissibilityCheck& is_admissible) {
+  const ColliderShapes& shapes = now_.input.colliders.from;
+  const auto depth = [&] { return simulated_.elastic.inside(sheet(), shapes); };
+  if (depth() <= give_way_depth) return true;
+  constexpr int most_passes = 32;
+  const Sheet before = sheet();
+  ColliderClearance clearance(shot_.colliders, shapes, before.triangles, before.x);
+  std::vector<char> held(before.x.rows(), 0);
+  for (const PositionConstraint& c : now_.input.constraints) held[c.vertex] = 1;
+  for (int pass = 0; pass < most_passes && depth() > 0; ++pass)
+    clearance.push_out(held, give_way_depth, simulated_.sheet.x);
+  return depth() <= give_way_depth && crossings(sheet()) == 0 && is_admissible(before, sheet(), 0);
+}
+
 bool SheetSimulation::is_held_back_by_mesh() const {
   return now_.step.failure_reason.empty() && now_.step.last.on_colliders > 0 &&
          simulated_.is_smooth() &&

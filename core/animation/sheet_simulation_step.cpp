@@ -117,7 +117,7 @@ void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_
     if (refines) start = simulated_.snapshot();
     IslandStep({this}, {{}, InitialGap::apart, of_this, trace}).take();
     if (!refines || !is_held_back_by_mesh() ||
-        !refine_mesh(std::move(*start), stretches_instead_of_bending() ? doublings_to_bend : 1))
+        !go_back_on_finer_mesh(std::move(*start), is_admissible))
       break;
   }
   end_step();
