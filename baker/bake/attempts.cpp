@@ -158,9 +158,10 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
       progress.message(
-          fmt::format("attempt {} of {} is tried, because in the attempt before it a handle "
-                      "is off by {:.1f} mm",
-                      next - all.begin() + 1, all.size(), 1e3 * (*(next - 1))->known().off));
+          fmt::format("attempt {} of {} is tried: up to frame {} of the attempt before it a "
+                      "handle is off by {:.1f} mm",
+                      next - all.begin() + 1, all.size(), (*(next - 1))->known().frame,
+                      1e3 * (*(next - 1))->known().off));
     start_likeliest(all, **next, settings_.threads);
     (*next)->show_frame();
     if (frequent.is_due())

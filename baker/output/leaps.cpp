@@ -29,10 +29,20 @@ Frames beside(const Frames& frames, std::size_t k) {
   return others;
 }
 
-void add_leaps(const Frames& frames, double side, std::vector<Leap>& leaps) {
+/// Whether a handle lets go after the frame `before` and not after `now`: the sheet springs.
+bool is_let_go(const Shot& shot, int before, int now) {
+  return std::any_of(shot.handles.begin(), shot.handles.end(), [&](const Handle& handle) {
+    return before < handle.release_frame && handle.release_frame <= now;
+  });
+}
+
+void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps) {
+  const double side = longer_side(shot.pattern);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const FrameStatistics& now = frames[k]->statistics;
-    if (now.moved <= std::max(visible * side, now.driven) || now.touching_others > 0) continue;
+    if (now.moved <= std::max(visible * side, now.driven) || now.touching_others > 0 ||
+        is_let_go(shot, frames[k - 1]->frame, frames[k]->frame))
+      continue;
     double around = 0, drive = slow_drive;
     for (const FrameRecord* other : beside(frames, k)) {
       around = std::max(around, other->statistics.moved);
@@ -52,7 +62,7 @@ std::vector<Leap> find_leaps(const std::vector<FrameRecord>& frames, const BakeP
     Frames of_sheet;
     for (const FrameRecord& f : frames)
       if (f.sheet == shot.sheet_name) of_sheet.push_back(&f);
-    add_leaps(of_sheet, longer_side(shot.pattern), leaps);
+    add_leaps(of_sheet, shot, leaps);
   }
   std::stable_sort(leaps.begin(), leaps.end(),
                    [](const Leap& a, const Leap& b) { return a.frame < b.frame; });

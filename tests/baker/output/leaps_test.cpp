@@ -57,6 +57,15 @@ TEST(LeapsTest, NoneIsWhereWhatDrivesTheSheetIsAsSudden) {
   EXPECT_EQ(pulled.leaps(), Frames{}) << "what has been coming has met it";
 }
 
+TEST(LeapsTest, NoneIsWhereAHandleLetsGo) {
+  Moved sprung({0, 0.001, 0.002, 0.03, 0.002, 0.001});
+  sprung.plan.shots[0].handles.resize(1);
+  sprung.plan.shots[0].handles[0].release_frame = 4;
+  EXPECT_EQ(sprung.leaps(), Frames{});
+  sprung.plan.shots[0].handles[0].release_frame = 3;
+  EXPECT_EQ(sprung.leaps(), Frames{4}) << "it has sprung in the frame before";
+}
+
 TEST(LeapsTest, ASheetWithInertiaMayGatherSpeed) {
   Moved falls({0, 0.001, 0.002, 0.03, 0.011, 0.001}), snaps({0, 0.001, 0.002, 0.03, 0.002, 0.001});
   for (Moved* moved : {&falls, &snaps})
