@@ -444,6 +444,59 @@ def test_draft_messages_and_deletion(judgement):
     judgement.count("drafts", 1)
 
 
+def test_nothing_holds_it(judgement):
+    """A page that falls, and one that is blown, need no handle."""
+    for name, gravity in (("falling", 9.81), ("blown", 0)):
+        scene, sheet = new_scene(name)
+        select(sheet)
+        with heard():
+            bpy.ops.paperbake.mark_sheet()
+            bpy.ops.object.select_all(action="DESELECT")
+            if not gravity:
+                bpy.ops.paperbake.mark_wind()
+        scene.paperbake.gravity = gravity
+        result, said = report(bpy.ops.paperbake.bake)
+        judgement.check(result == {"FINISHED"} and "Baked 10 frames" in said, f"a {name} page: it says {said!r}")
+        judgement.check("paper_gravity" not in scene.objects["paper.Letter"], "the export left the gravity behind")
+        if result == {"FINISHED"}:
+            ends = []
+            for frame in (FIRST, LAST):
+                scene.frame_set(frame)
+                paper = scene.objects["baked.paper.Letter"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+                ends.append(floats(paper.data.vertices, "co", 3).mean(axis=0))
+            judgement.check(numpy.linalg.norm(ends[1] - ends[0]) > 0.01, f"a {name} page goes from {ends[0]} to {ends[1]}")
+    judgement.count("free pages", 2)
+
+
+def test_what_is_left_out_is_told(judgement):
+    """A curve and an instance that are named like colliders, and what is on the sheet's vertices: none of it is silently lost."""
+    scene = holding("left")
+    sheet, remarks = scene.objects["paper.Letter"], part("scene_export").remarks
+    judgement.check(remarks(scene) == [], f"of a plain scene is said {remarks(scene)}")
+    with heard():
+        bpy.ops.curve.primitive_bezier_circle_add(radius=0.05, location=(3, 0, 0))
+    bpy.context.object.name = "collider.curve"
+    with heard():
+        bpy.ops.object.text_add(location=(4, 0, 0))
+    bpy.context.object.name, bpy.context.object.parent = "letters", empty("collider.sign", (4, 0, 0))
+    props = bpy.data.collections.new("Props")
+    props.objects.link(bpy.data.objects.new("collider.box", bpy.data.meshes.new("box")))
+    instance = empty("Desk", (3, 0, 0))
+    instance.instance_type, instance.instance_collection = "COLLECTION", props
+    sheet.vertex_groups.new(name="Worn")
+    sheet.data.color_attributes.new("Dye", "FLOAT_COLOR", "POINT")
+    sheet.data.attributes.new("wetness", "FLOAT", "POINT")
+    sheet.data.attributes.new("crease_edge", "FLOAT", "EDGE")  # is read
+    found = remarks(scene)
+    judgement.check(len(found) == 4, f"there are {len(found)} remarks: {found}")
+    for words in (("collider.curve", "Convert > Mesh"), ("letters", "Convert > Mesh"), ("Desk", "collider.box", "Make Instances Real"), ("paper.Letter", "groups Worn;", "colours Dye;", "attributes wetness.")):
+        judgement.check(any(all(word in sentence for word in words) for sentence in found), f"no remark says {words}: {found}")
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and all(sentence in said for sentence in found), f"what is left out: the bake says {said!r}")
+    judgement.count("remarks", 4)
+
+
 def expect_error(judgement, what, *fragments):
     result, said = report(bpy.ops.paperbake.bake)
     judgement.check(result == {"CANCELLED"} and all(fragment in said for fragment in fragments), f"{what}: it says {said!r}")
@@ -641,7 +694,8 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_nothing_holds_it,
+                     test_what_is_left_out_is_told, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
