@@ -439,9 +439,44 @@ def test_draft_messages_and_deletion(judgement):
     sheet = scene.objects["paper.Letter"]
     judgement.check("baked.paper.Letter" not in scene.objects and not sheet.hide_render and not sheet.hide_get(), "the sheet is not in sight again")
     judgement.check(not bpy.data.cache_files, "the cache is still in the file")
-    first = part("program").explaining_first(['the box "b" is open', 'The handle "handle.c" is 100 mm away'], ['Frame 3: the handle "handle.c" is off'])
-    judgement.check(first[0].startswith("The handle"), f"the warning that explains is not the first: {first}")
     judgement.count("drafts", 1)
+
+
+def said_of(code, messages, gates, error=""):
+    """(the panel's sentence, the text block's lines) of a bake that ends so."""
+    process = types.SimpleNamespace(messages=messages, gates=gates, error=error, cancelled=False, last=None)
+    outcome = part("program").outcome(code, process, {}, True)
+    return outcome.sentence, list(outcome.told)
+
+
+def test_order_and_words_of_messages(judgement):
+    """The reason first, attempts last and their progress in the text block alone; options by the names that they have in the panel."""
+    warnings = ["attempt 2 of 4 is tried, because in the attempt before it a handle is off by 3.0 mm", "attempts: in the first attempt a handle is off",
+                'the box "b" is open', 'The handle "handle.c" is 100 mm away']
+    gate = 'Frame 3: the handle "handle.c" is off; try more --base-triangles'
+    sentence, lines = said_of(4, warnings, [gate])
+    judgement.check(lines == [warnings[3], "Baked, but less well than asked for:", gate, warnings[2], warnings[1], "What begins with -- goes into Options of the panel.", warnings[0]],
+                    f"the lines of a missed gate are {lines}")
+    judgement.check(sentence == " ".join(lines[:-1]), f"the panel says {sentence!r}")
+    sentence, lines = said_of(0, warnings[:1], [])
+    judgement.check(sentence.startswith("Baked") and "attempt" not in sentence and lines[1:] == warnings[:1], f"of attempts under way the panel says {sentence!r}")
+    sentence, _ = said_of(2, [], [], "paperbake: a.glb\n  Too large.\n  The file is probably in mm: bake with --unit-scale 0.001, or --fps 30.\n")
+    judgement.check(sentence == "a.glb: Too large. The file is probably in mm: bake with Scene > Units > Unit Scale 0.001, or Output > Frame Rate 30.", f"an error says {sentence!r}")
+    judgement.count("orders", 3)
+
+
+def test_options_of_the_panel(judgement):
+    """They reach the program; those that the add-on gives itself are refused."""
+    scene = holding("options")
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
+    scene.paperbake.options = "--base-triangles 90 --formats=abc"
+    expect_error(judgement, "an option of the add-on's own", "--formats is what the add-on itself says")
+    scene.paperbake.options = '--set "friction'
+    expect_error(judgement, "an open quotation mark", "quotation mark")
+    scene.paperbake.options = "--base-triangles 90"
+    result, said = report(bpy.ops.paperbake.bake)
+    settings = (FOLDER / "options" / "paperbake" / "job.lock.toml").read_text(encoding="utf-8")
+    judgement.check(result == {"FINISHED"} and re.search(r"base_triangles *= *90\b", settings), f"an option of the panel: it says {said!r}")
 
 
 def test_nothing_holds_it(judgement):
@@ -550,6 +585,10 @@ def test_missed_gate_is_a_warning(judgement):
     judgement.check(outcome.level == "WARNING" and "less well" in outcome.sentence and "handle" in outcome.sentence and outcome.sentence in said,
                     f"impossible handles: it says {said!r}")
     judgement.check(result == {"FINISHED"} and "baked.paper.Letter" in scene.objects, "impossible handles: nothing was loaded")
+    told = part("job").DRAFT_TOLD
+    _, drafted = report(bpy.ops.paperbake.draft)
+    summary = json.loads((FOLDER / "apart" / "paperbake" / "draft" / "cert" / "summary.json").read_text(encoding="utf-8"))
+    judgement.check(told in drafted and told not in said and summary["attempts"] is None, f"a draft that misses a gate says {drafted!r}")
     judgement.count("failures", 1)
 
 
@@ -694,7 +733,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_nothing_holds_it,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_order_and_words_of_messages, test_options_of_the_panel, test_nothing_holds_it,
                      test_what_is_left_out_is_told, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
