@@ -532,6 +532,39 @@ def test_what_is_left_out_is_told(judgement):
     judgement.count("remarks", 4)
 
 
+def state_of(scene):
+    """What a bake changes: the paper, whether it reads a cache that is there, whether the sheet is in sight, and what is left in the file."""
+    paper, sheet = scene.objects.get("baked.paper.Letter"), scene.objects["paper.Letter"]
+    cached = part("cache").reader(paper).cache_file if paper else None
+    readable = bool(cached) and pathlib.Path(bpy.path.abspath(cached.filepath)).exists()
+    return bool(paper), readable, sheet.hide_render, sheet.hide_get(), len([file for file in bpy.data.cache_files if file.users])
+
+
+def test_undo(judgement):
+    """Undo after a bake gives the scene before it, redo the paper again, and a bake after an undo bakes."""
+    scene = holding("undone")
+    bpy.context.preferences.edit.use_global_undo = True
+    with heard():
+        bpy.ops.ed.undo_push(message="before")
+    before = state_of(scene)
+    report(bpy.ops.paperbake.bake)
+    with heard():
+        bpy.ops.ed.undo_push(message="Bake Paper")
+    after = state_of(bpy.context.scene)
+    judgement.check(before == (False, False, False, False, 0) and after == (True, True, True, True, 1), f"a bake changes the scene from {before} to {after}")
+    with heard():
+        bpy.ops.ed.undo()
+    judgement.check(state_of(bpy.context.scene) == before, f"after undo the scene is {state_of(bpy.context.scene)}")
+    with heard():
+        bpy.ops.ed.redo()
+    judgement.check(state_of(bpy.context.scene) == after, f"after redo the scene is {state_of(bpy.context.scene)}")
+    with heard():
+        bpy.ops.ed.undo()
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and state_of(bpy.context.scene) == after, f"a bake after undo: {state_of(bpy.context.scene)}, it says {said!r}")
+    judgement.count("undos", 2)
+
+
 def expect_error(judgement, what, *fragments):
     result, said = report(bpy.ops.paperbake.bake)
     judgement.check(result == {"CANCELLED"} and all(fragment in said for fragment in fragments), f"{what}: it says {said!r}")
@@ -734,7 +767,7 @@ def main():
     if not judgement.failures:
         use(PROGRAM)
         for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_order_and_words_of_messages, test_options_of_the_panel, test_nothing_holds_it,
-                     test_what_is_left_out_is_told, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+                     test_what_is_left_out_is_told, test_undo, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
