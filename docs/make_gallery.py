@@ -151,8 +151,8 @@ def page():
     text = "# Gallery\n\n<!-- Written by docs/make_gallery.py. Do not edit. -->\n\n"
     text += "Every picture is one frame of a sample scene, baked by the command below it and rendered by\n"
     text += f"Cycles with {SAMPLES} samples. Below it is the preview of the whole shot, which the same command writes\n"
-    text += "with `--formats preview`, made smaller. `.venv/bin/python docs/make_gallery.py` makes all of them and\n"
-    text += "this page.\n\n"
+    text += "with `--formats preview`, made smaller. `.venv/bin/python docs/make_gallery.py` makes all of\n"
+    text += "them and this page.\n\n"
     for shot in [shot for shot in SHOTS if (PICTURES / f"{shot.name}.png").exists()]:
         text += f"## {shot.title}\n\n![{shot.title}](pictures/gallery/{shot.name}.png)\n\n"
         text += f"```sh\n{command(shot)}\n```\n\nFrame {shot.frame}. {shot.honest}\n\n"
