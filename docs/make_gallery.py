@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Bakes the shots of the gallery, renders a picture of each with Cycles, and writes docs/gallery.md. The shots
-are those of docs/gallery.toml.
+"""Bakes the shots of the gallery, renders a picture of each with Cycles, makes its preview smaller, and writes docs/gallery.md. The
+shots are those of docs/gallery.toml.
 
     .venv/bin/python docs/make_gallery.py [PROGRAM] [NAME...]     PROGRAM: build/paperbake
 
@@ -22,6 +22,7 @@ from mathutils import Vector
 DOCS = pathlib.Path(os.path.abspath(__file__)).parent
 PICTURES = DOCS / "pictures" / "gallery"
 SIZE, SAMPLES = (480, 360), 16
+PREVIEW_WIDTH, SHADES = 432, 51  # pixels; of each colour: fewer make a smaller file
 
 Shot = collections.namedtuple("Shot", "name title scene options frame view honest uv", defaults=("",))
 SHOTS = [Shot(**shot) for shot in tomllib.loads((DOCS / "gallery.toml").read_text(encoding="utf-8"))["shot"]]
@@ -33,8 +34,8 @@ def command(shot):
 
 
 def bake(program, shot, folder):
-    words = [program, "bake", str(DOCS.parent / "samples" / f"{shot.scene}.glb"), "-o", str(folder), "--frames", f"{shot.frame}",
-             "--formats", "abc,cert", "--progress", "none", "--threads", "1", *shot.options.split()]
+    words = [program, "bake", str(DOCS.parent / "samples" / f"{shot.scene}.glb"), "-o", str(folder),
+             "--formats", "abc,cert,preview", "--progress", "none", "--threads", "1", *shot.options.split()]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode not in (0, 4):
         sys.exit(f"{' '.join(words)} ends with {done.returncode}: {done.stderr.strip()}")
@@ -134,13 +135,29 @@ def render(cache, shot):
     bpy.ops.render.render(write_still=True)
 
 
+def preview(contact_sheet, shot):
+    """The contact sheet of the bake, small enough for a page."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    image = bpy.data.images.load(str(contact_sheet))
+    image.scale(PREVIEW_WIDTH, round(PREVIEW_WIDTH * image.size[1] / image.size[0]))
+    image.pixels = [round(value * SHADES) / SHADES for value in image.pixels]
+    scene = bpy.context.scene
+    scene.view_settings.view_transform = "Standard"
+    scene.render.image_settings.color_mode, scene.render.image_settings.compression = "RGB", 100
+    image.save_render(str(PICTURES / f"{shot.name}.preview.png"), scene=scene)
+
+
 def page():
     text = "# Gallery\n\n<!-- Written by docs/make_gallery.py. Do not edit. -->\n\n"
     text += "Every picture is one frame of a sample scene, baked by the command below it and rendered by\n"
-    text += f"Cycles with {SAMPLES} samples: `.venv/bin/python docs/make_gallery.py` makes all of them and this\npage.\n\n"
+    text += f"Cycles with {SAMPLES} samples. Below it is the preview of the whole shot, which the same command writes\n"
+    text += "with `--formats preview`, made smaller. `.venv/bin/python docs/make_gallery.py` makes all of\n"
+    text += "them and this page.\n\n"
     for shot in [shot for shot in SHOTS if (PICTURES / f"{shot.name}.png").exists()]:
         text += f"## {shot.title}\n\n![{shot.title}](pictures/gallery/{shot.name}.png)\n\n"
         text += f"```sh\n{command(shot)}\n```\n\nFrame {shot.frame}. {shot.honest}\n\n"
+        if (PICTURES / f"{shot.name}.preview.png").exists():
+            text += f"![Its preview](pictures/gallery/{shot.name}.preview.png)\n\n"
     return text.rstrip("\n") + "\n"
 
 
@@ -156,7 +173,9 @@ def main():
         if words and shot.name not in words:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            render(bake(program, shot, pathlib.Path(folder)), shot)
+            cache = bake(program, shot, pathlib.Path(folder))
+            render(cache, shot)
+            preview(cache.with_suffix(".preview.png"), shot)
         print(PICTURES / f"{shot.name}.png")
     (DOCS / "gallery.md").write_text(page(), encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Writes the scenes G1 to G7, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G9, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -114,9 +114,9 @@ def grades():
     return 1
 
 
-def strips_of(name, width, curve, **properties):
+def strips_of(name, width, curve, columns=20, **properties):
     """A sheet of this width [m] along x whose cross section is a list of points (y, z) [m]."""
-    columns, mesh = 20, bpy.data.meshes.new(name)
+    mesh = bpy.data.meshes.new(name)
     corners = [(width * i / columns, y, z) for y, z in curve for i in range(columns + 1)]
     faces = [(k, k + 1, k + columns + 2, k + columns + 1)
              for k in range(len(corners) - columns - 2) if (k + 1) % (columns + 1)]
@@ -192,8 +192,51 @@ def pleats():
     return 84
 
 
+def strip():
+    """A strip that begins rolled up, with its layers apart; its outer end is drawn away, and its inner
+    end is held along a line about which it turns."""
+    width, outer, apart, turns, rows, tail, away = 0.04, 0.0156, 0.0012, 3.5, 24, 0.003, 0.262
+
+    def wound(k):
+        angle, radius = 2 * math.pi * k / rows, outer - apart * k / rows
+        return -radius * math.sin(angle), -radius * math.cos(angle)
+
+    curve = [(tail, -outer)] + [wound(k) for k in range(round(turns * rows) + 1)]
+    strips_of("paper.strip", width, curve, columns=2, paper_preset="copy80", **EARTH)
+    quad("collider.table", (-0.1, -0.2, -outer - 0.002), (0.24, 0, 0), (0, 0.7, 0))
+    across = (0, width / 2, width)
+    hold("core", [(x, *curve[-1]) for x in across], "strip")
+    for i, x in enumerate(across):
+        carry(f"hand.{i}", lambda frame, x=x: (x, tail + away * eased(frame, 60), -outer), 72, "strip")
+    return 72
+
+
+def plane():
+    """A dart of one layer with three creases, whose nose a thread holds in a gusty wind."""
+    long, half, body = 0.21, 0.09, 0.022
+    steep, flat = math.radians(76), math.radians(4)  # of the body's two sides, and of the wings
+
+    def corner(across, along, side=1):
+        wing = max(across - body, 0)
+        out = (across - wing) * math.cos(steep) + wing * math.cos(flat)
+        return side * out, along, (across - wing) * math.sin(steep) + wing * math.sin(flat)
+
+    right = [(body, long * (1 - body / half)), (body, 0), (half, 0)]  # the wing: its crease, its tip
+    corners = [corner(0, long), corner(0, 0), *(corner(*at, side) for side in (1, -1) for at in right)]
+    mesh, creases = bpy.data.meshes.new("plane"), bpy.data.meshes.new("crease")
+    mesh.from_pydata(corners, [], [(0, 1, 3, 2), (2, 3, 4), (1, 0, 5, 6), (6, 5, 7)])
+    creases.from_pydata(corners, [(0, 1), (2, 3), (5, 6)], [])
+    place("paper.plane", mesh, paper_preset="copy80", **EARTH)
+    place("crease.plane", creases, paper_crease="modelled")
+    hold("nose", corners[:1], "plane")
+    wind = place("wind", None, paper_speed=3, paper_gust=0.4, paper_seed=5)
+    wind.rotation_euler = math.radians(90), 0, 0
+    return 1
+
+
 SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
-          "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats}
+          "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats,
+          "G8_strip": strip, "G9_plane": plane}
 
 
 def main(names):

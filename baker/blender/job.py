@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shlex
 import time
 
 import bpy
@@ -11,7 +12,9 @@ from . import cache, messages, program, scene_export
 
 EXPORT, BAKE, LOAD, DONE = range(4)
 DRAFT = "draft"  # folder of drafts, in that of the bakes
-DRAFT_WORDS = ["--quality", "draft", "--method", "hybrid", "--formats", "abc,cert"]  # given last, they count
+DRAFT_WORDS = ["--quality", "draft", "--method", "hybrid", "--attempts", "1", "--formats", "abc,cert"]  # given last, they count
+DRAFT_TOLD = "A draft makes one attempt. Bake tries others where a handle is off by more than 1 mm, and may come out otherwise."
+OWN_WORDS = {"-o", "--output", "--name", "--formats", "--progress", "--write-job", "--dry-run"}  # without which nothing would be loaded
 
 
 def folder_of(settings):
@@ -40,8 +43,21 @@ def options(scene, settings):
     if not scene.frame_start <= first <= last:
         raise program.Unusable(f"Frames {first} to {last} cannot be baked: the scene begins at {scene.frame_start}.")
     words = ["--quality", settings.quality, "--method", settings.method, "--gravity", f"{settings.gravity:g}", "--frames", f"{first}-{last}"]
+    words += further(settings.options)
     if abs(scene.unit_settings.scale_length - 1) > 1e-9:
         words += ["--unit-scale", f"{scene.unit_settings.scale_length:.9g}"]
+    return words
+
+
+def further(text):
+    """Words of the panel's field Options. Throws Unusable."""
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise program.Unusable(f"Options: a quotation mark is not closed in {text}") from error
+    taken = OWN_WORDS & {word.split("=")[0] for word in words}
+    if taken:
+        raise program.Unusable(f"Options: {sorted(taken)[0]} is what the add-on itself says. Take it out.")
     return words
 
 
@@ -126,6 +142,8 @@ class BakeJob:
         done = code in (0, program.GATE_MISSED)  # also when it had nothing to do: then what is there is the result
         fresh = done or all(now and now != then for now, then in zip((stamp(self._cache()), stamp(self._certificate())), self._before))
         self._end(program.outcome(code, self._process, self._summary() if fresh else {}, fresh))
+        if self._is_draft and code == program.GATE_MISSED:
+            self._remarks.append(DRAFT_TOLD)
         if self.outcome.loads:
             self._state = LOAD
 

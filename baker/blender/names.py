@@ -5,6 +5,7 @@ import re
 SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND = "paper", "handle", "clamp", "collider", "crease", "wind"
 BAKED = "baked"  # what comes back must not be a sheet itself
 ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND)
+NO_SHAPE = {"EMPTY", "ARMATURE", "CAMERA", "LATTICE", "LIGHT", "LIGHT_PROBE", "SPEAKER"}  # object types that nothing can collide with
 
 
 def matched(name):
@@ -39,7 +40,12 @@ def says_collider(thing):
 
 def up_to_group(thing):
     """What is above a mesh, up to the empty that makes it a collider; nothing where none does."""
-    if thing.type != "MESH" or "paper_collider" in thing or "paper_crease" in thing:
+    return below_group(thing) if thing.type == "MESH" else []
+
+
+def below_group(thing):
+    """The same of an object of any type."""
+    if "paper_collider" in thing or "paper_crease" in thing:
         return []
     above = [thing.parent]
     while above[-1] and not (above[-1].type == "EMPTY" and says_collider(above[-1])):
@@ -51,6 +57,16 @@ def is_wind(thing):
     """As formats/scene/scene_winds.h says: wind, wind.001, wind_left; windmill only with a speed."""
     name = matched(thing.name)
     return thing.type == "EMPTY" and name.startswith(WIND) and (not name[4:5].isalpha() or "paper_speed" in thing)
+
+
+def meant_as(thing):
+    """What an object without a role is named or marked as, of what only meshes can be, or None. Instances of a collection mean nothing by their own
+    names: what is in the collection does."""
+    if thing.type in NO_SHAPE or role(thing):
+        return None
+    if says_collider(thing) or below_group(thing):
+        return COLLIDER
+    return next((kind for kind in (SHEET, CREASE) if begins_with(thing.name, kind)), None)
 
 
 def of_role(scene, wanted):

@@ -87,7 +87,7 @@ class BakePanel(Panel, bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.paperbake
         layout.use_property_split, layout.use_property_decorate = True, False
-        for name in ("quality", "method", "gravity", "folder", "own_frames"):
+        for name in ("quality", "method", "gravity", "folder", "options", "own_frames"):
             layout.prop(settings, name)
         if settings.own_frames:
             column = layout.column(align=True)

@@ -172,10 +172,36 @@ def named(sentence):
     return set(re.findall(r'"([^"]+)"', sentence))
 
 
-def explaining_first(warnings, gates):
-    """The warnings; those first that name what a missed gate names too."""
+def explaining(warnings, gates):
+    """(those that name what a missed gate names too, the others)"""
     missed = set().union(*(named(gate) for gate in gates))
-    return sorted(warnings, key=lambda warning: not named(warning) & missed)
+    return [w for w in warnings if named(w) & missed], [w for w in warnings if not named(w) & missed]
+
+
+def attempts_last(messages):
+    """(what the panel shows, with what was decided about attempts at its end; how these went on, which is for the text block alone)"""
+    under_way = [message for message in messages if re.match(r"attempt \d+ of \d+", message)]
+    decided = [message for message in messages if message.startswith("attempts: ")]
+    return [message for message in messages if message not in under_way + decided] + decided, under_way
+
+
+# options that messages name as a remedy -> where Blender has them; the others go into Options of the panel
+IN_BLENDER = {"--fps": "Output > Frame Rate", "--frames": "Own Frames", "--gravity": "Gravity", "--method": "Method", "--preset": "Paper",
+              "--quality": "Quality", "--seed": "Seed", "--unit-scale": "Scene > Units > Unit Scale"}
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
+OTHERS = "What begins with -- goes into Options of the panel."
+
+
+def in_blender(sentences):
+    """The same, with options by the names that they have in Blender."""
+    told = [OPTION.sub(lambda found: IN_BLENDER.get(found[0], found[0]), sentence) for sentence in sentences]
+    return (*told, OTHERS) if any(OPTION.search(sentence) for sentence in told) else tuple(told)
+
+
+def spoken(level, shown, under_way, fresh):
+    """shown: sentences for panel and text block; under_way: more for the text block alone"""
+    shown = in_blender(shown)
+    return Outcome(level, " ".join(shown), fresh, (*shown, *under_way))
 
 
 def outcome(code, process, summary, fresh):
@@ -188,15 +214,16 @@ def outcome(code, process, summary, fresh):
         reached = f" at frame {process.last['frame']}" if process.last else ""
         left = "its files end there" if code == STOPPED and fresh else "what was baked before is still there"
         return Outcome("WARNING", f"The bake was cancelled{reached}; {left}.", False)
+    shown, under_way = attempts_last(process.messages)
     if code == GATE_MISSED:
         missed = summary.get("gates_missed") or process.gates
         # what was warned of beforehand explains what was missed
-        told = (*explaining_first(process.messages, missed), "Baked, but less well than asked for:", *missed)
-        return Outcome("WARNING", " ".join(told), fresh, told)
+        reasons, others = explaining(shown, missed)
+        return spoken("WARNING", [*reasons, "Baked, but less well than asked for:", *missed, *others], under_way, fresh)
     if code == 0:
         worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)
-        told = (f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %.", *process.messages)
-        return Outcome("WARNING" if process.messages else "INFO", " ".join(told), fresh, told)
+        first = f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %."
+        return spoken("WARNING" if shown else "INFO", [first, *shown], under_way, fresh)
     if code < 0:
         return Outcome("ERROR", ended_by(code), False)
-    return Outcome("ERROR", one_line(process.error) or f"paperbake ended with code {code} and said nothing.", fresh)
+    return spoken("ERROR", [one_line(process.error) or f"paperbake ended with code {code} and said nothing."], [], fresh)

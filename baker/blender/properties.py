@@ -133,6 +133,7 @@ class SceneSettings(bpy.types.PropertyGroup):
         ("hybrid", "Hybrid", "Fast; creases where paper would have them"), ("fem", "FEM", "Finite elements on a fixed mesh; elastic paper"),
         ("adaptive", "Adaptive", "Finite elements, the mesh refined where it bends"), ("hybrid+fem", "Hybrid + FEM", "Hybrid, then every frame polished")])
     gravity: bpy.props.FloatProperty(name="Gravity", default=0.0, soft_min=0.0, soft_max=9.81, description="m/s\u00b2, downwards")
+    options: bpy.props.StringProperty(name="Options", description="Further options of paperbake bake, as on its command line: --base-triangles 240")
     own_frames: bpy.props.BoolProperty(name="Own Frames", description="Other frames than the scene's; it is simulated from the scene's first all the same")
     first: bpy.props.IntProperty(name="First", default=1, min=0)
     last: bpy.props.IntProperty(name="Last", default=24, min=0)

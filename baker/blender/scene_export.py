@@ -13,6 +13,8 @@ from .program import Unusable
 TEMPORARY = "paperbake export"
 DEFORMING = {"CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "NODES", "SHRINKWRAP", "SIMPLE_DEFORM",
              "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE"}  # modifiers that may change a shape from frame to frame
+BLENDERS_OWN = {"position", "sharp_face", "sharp_edge", "material_index", "crease_edge", "crease_vert", "bevel_weight_edge", "bevel_weight_vert",
+                "custom_normal", "freestyle_edge", "freestyle_face", "uv_seam", "id"}  # attributes that Blender makes, or that are read otherwise
 
 
 def has_marked_bones(thing):
@@ -66,22 +68,49 @@ def not_followed(thing, applied):
     return ""
 
 
+def left_out(thing):
+    """A sentence about an object that is named like what is exported, and is not, because it has no mesh of its own. Empty for all others."""
+    meant = names.meant_as(thing)
+    if meant:
+        return f"{thing.name} is no mesh and is left out, although it is named or marked as {meant}. Select it and use Object > Convert > Mesh."
+    if thing.type == "EMPTY" and thing.instance_type == "COLLECTION" and thing.instance_collection:
+        inside = [part.name for part in thing.instance_collection.all_objects if names.role(part) or names.meant_as(part)]
+        if inside or names.says_collider(thing):
+            what = f", with {inside[0]} in it," if inside else ""
+            return f"{thing.name} is an instance of a collection and{what} is left out. Select it and use Object > Apply > Make Instances Real."
+    return ""
+
+
+def not_returned(sheet):
+    """A sentence about what the artist has put on the vertices of a sheet, which does not come back; empty where there is nothing."""
+    groups, mesh = [group.name for group in sheet.vertex_groups], sheet.data
+    colours = [colour.name for colour in mesh.color_attributes]
+    others = [attribute.name for attribute in mesh.attributes
+              if not (attribute.name in (*BLENDERS_OWN, *colours) or attribute.is_internal or attribute.name.startswith(".")
+                      or attribute.name in mesh.uv_layers or attribute.name in groups)]
+    kinds = [f"{kind} {', '.join(found)}" for kind, found in (("vertex groups", groups), ("colours", colours), ("attributes", others)) if found]
+    return f"{sheet.name}: the baked paper has other vertices and does not get its {'; '.join(kinds)}. Use a UV map or a texture." if kinds else ""
+
+
 def remarks(scene):
     """Sentences about what the bake does not do as the scene has it."""
     found = [not_followed(thing, not has_shapes(scene)) for thing in names.of_role(scene, names.COLLIDER)]
+    found += [left_out(thing) for thing in scene.objects]
+    found += [not_returned(thing) for thing in names.of_role(scene, names.SHEET)]
     found += [f"{thing.name} is {names.size_text(scene, thing)}: is it meant that large?"
               for thing in names.of_role(scene, names.SHEET) if names.is_large(scene, thing)]
     return [sentence for sentence in found if sentence]
 
 
-def check(scene):
-    """Throws Unusable: what the program could not say as well, because it does not see this scene."""
+def check(scene, gravity):
+    """Throws Unusable: what the program could not say as well, because it does not see this scene. gravity [m/s2]"""
     sheets = names.of_role(scene, names.SHEET)
     if not sheets:
         raise Unusable("There is no sheet: select a mesh and press Mark Sheet.")
     holders = names.of_role(scene, names.HANDLE) + [thing for thing in scene.objects if has_marked_bones(thing)]
-    if not holders:
-        raise Unusable("Nothing holds the sheet: select empties and press Mark Handles, or press Add Handles.")
+    if not holders and not gravity and not any(names.of_role(scene, mover) for mover in (names.WIND, names.COLLIDER)):
+        raise Unusable("Nothing holds the sheet, and nothing moves it: select empties and press Mark Handles, press Add Handles, "
+                       "or give it Gravity, a wind or a collider.")
     for thing in holders:
         if keyed(thing, "hide_viewport"):
             raise Unusable(f"{thing.name}: its visibility in viewports is keyed, and Blender does not move what is hidden. "
@@ -161,12 +190,14 @@ def edge_creases(scene):
 
 @contextlib.contextmanager
 def all_told(scene, fps):
-    """On every sheet the names of its uv maps, and on the first the frame rate."""
+    """On every sheet the names of its uv maps, and on the first the frame rate, and the gravity where there is any: a scene without handles
+    has to say what moves its sheets."""
     sheets = names.of_role(scene, names.SHEET)
     with contextlib.ExitStack() as stack:
         for sheet in sheets:
             stack.enter_context(told(sheet, paper_uv_sets="\n".join(layer.name for layer in sheet.data.uv_layers)))
-        stack.enter_context(told(sheets[0], paper_fps=fps))
+        gravity = {"paper_gravity": scene.paperbake.gravity} if scene.paperbake.gravity else {}
+        stack.enter_context(told(sheets[0], paper_fps=fps, **gravity))
         yield
 
 
@@ -186,7 +217,7 @@ def check_times(path, last, fps):
 
 def write(scene, path, last):
     """The clip from the scene's first frame to `last`, handles as Blender itself has them at every frame. Throws Unusable."""
-    check(scene)
+    check(scene, scene.paperbake.gravity)
     fps = frames_per_second(scene)
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")

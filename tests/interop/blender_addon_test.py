@@ -439,9 +439,130 @@ def test_draft_messages_and_deletion(judgement):
     sheet = scene.objects["paper.Letter"]
     judgement.check("baked.paper.Letter" not in scene.objects and not sheet.hide_render and not sheet.hide_get(), "the sheet is not in sight again")
     judgement.check(not bpy.data.cache_files, "the cache is still in the file")
-    first = part("program").explaining_first(['the box "b" is open', 'The handle "handle.c" is 100 mm away'], ['Frame 3: the handle "handle.c" is off'])
-    judgement.check(first[0].startswith("The handle"), f"the warning that explains is not the first: {first}")
     judgement.count("drafts", 1)
+
+
+def said_of(code, messages, gates, error=""):
+    """(the panel's sentence, the text block's lines) of a bake that ends so."""
+    process = types.SimpleNamespace(messages=messages, gates=gates, error=error, cancelled=False, last=None)
+    outcome = part("program").outcome(code, process, {}, True)
+    return outcome.sentence, list(outcome.told)
+
+
+def test_order_and_words_of_messages(judgement):
+    """The reason first, attempts last and their progress in the text block alone; options by the names that they have in the panel."""
+    warnings = ["attempt 2 of 4 is tried, because in the attempt before it a handle is off by 3.0 mm", "attempts: in the first attempt a handle is off",
+                'the box "b" is open', 'The handle "handle.c" is 100 mm away']
+    gate = 'Frame 3: the handle "handle.c" is off; try more --base-triangles'
+    sentence, lines = said_of(4, warnings, [gate])
+    judgement.check(lines == [warnings[3], "Baked, but less well than asked for:", gate, warnings[2], warnings[1], "What begins with -- goes into Options of the panel.", warnings[0]],
+                    f"the lines of a missed gate are {lines}")
+    judgement.check(sentence == " ".join(lines[:-1]), f"the panel says {sentence!r}")
+    sentence, lines = said_of(0, warnings[:1], [])
+    judgement.check(sentence.startswith("Baked") and "attempt" not in sentence and lines[1:] == warnings[:1], f"of attempts under way the panel says {sentence!r}")
+    sentence, _ = said_of(2, [], [], "paperbake: a.glb\n  Too large.\n  The file is probably in mm: bake with --unit-scale 0.001, or --fps 30.\n")
+    judgement.check(sentence == "a.glb: Too large. The file is probably in mm: bake with Scene > Units > Unit Scale 0.001, or Output > Frame Rate 30.", f"an error says {sentence!r}")
+    judgement.count("orders", 3)
+
+
+def test_options_of_the_panel(judgement):
+    """They reach the program; those that the add-on gives itself are refused."""
+    scene = holding("options")
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
+    scene.paperbake.options = "--base-triangles 90 --formats=abc"
+    expect_error(judgement, "an option of the add-on's own", "--formats is what the add-on itself says")
+    scene.paperbake.options = '--set "friction'
+    expect_error(judgement, "an open quotation mark", "quotation mark")
+    scene.paperbake.options = "--base-triangles 90"
+    result, said = report(bpy.ops.paperbake.bake)
+    settings = (FOLDER / "options" / "paperbake" / "job.lock.toml").read_text(encoding="utf-8")
+    judgement.check(result == {"FINISHED"} and re.search(r"base_triangles *= *90\b", settings), f"an option of the panel: it says {said!r}")
+
+
+def test_nothing_holds_it(judgement):
+    """A page that falls, and one that is blown, need no handle."""
+    for name, gravity in (("falling", 9.81), ("blown", 0)):
+        scene, sheet = new_scene(name)
+        select(sheet)
+        with heard():
+            bpy.ops.paperbake.mark_sheet()
+            bpy.ops.object.select_all(action="DESELECT")
+            if not gravity:
+                bpy.ops.paperbake.mark_wind()
+        scene.paperbake.gravity = gravity
+        result, said = report(bpy.ops.paperbake.bake)
+        judgement.check(result == {"FINISHED"} and "Baked 10 frames" in said, f"a {name} page: it says {said!r}")
+        judgement.check("paper_gravity" not in scene.objects["paper.Letter"], "the export left the gravity behind")
+        if result == {"FINISHED"}:
+            ends = []
+            for frame in (FIRST, LAST):
+                scene.frame_set(frame)
+                paper = scene.objects["baked.paper.Letter"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+                ends.append(floats(paper.data.vertices, "co", 3).mean(axis=0))
+            judgement.check(numpy.linalg.norm(ends[1] - ends[0]) > 0.01, f"a {name} page goes from {ends[0]} to {ends[1]}")
+    judgement.count("free pages", 2)
+
+
+def test_what_is_left_out_is_told(judgement):
+    """A curve and an instance that are named like colliders, and what is on the sheet's vertices: none of it is silently lost."""
+    scene = holding("left")
+    sheet, remarks = scene.objects["paper.Letter"], part("scene_export").remarks
+    judgement.check(remarks(scene) == [], f"of a plain scene is said {remarks(scene)}")
+    with heard():
+        bpy.ops.curve.primitive_bezier_circle_add(radius=0.05, location=(3, 0, 0))
+    bpy.context.object.name = "collider.curve"
+    with heard():
+        bpy.ops.object.text_add(location=(4, 0, 0))
+    bpy.context.object.name, bpy.context.object.parent = "letters", empty("collider.sign", (4, 0, 0))
+    props = bpy.data.collections.new("Props")
+    props.objects.link(bpy.data.objects.new("collider.box", bpy.data.meshes.new("box")))
+    instance = empty("Desk", (3, 0, 0))
+    instance.instance_type, instance.instance_collection = "COLLECTION", props
+    sheet.vertex_groups.new(name="Worn")
+    sheet.data.color_attributes.new("Dye", "FLOAT_COLOR", "POINT")
+    sheet.data.attributes.new("wetness", "FLOAT", "POINT")
+    sheet.data.attributes.new("crease_edge", "FLOAT", "EDGE")  # is read
+    found = remarks(scene)
+    judgement.check(len(found) == 4, f"there are {len(found)} remarks: {found}")
+    for words in (("collider.curve", "Convert > Mesh"), ("letters", "Convert > Mesh"), ("Desk", "collider.box", "Make Instances Real"), ("paper.Letter", "groups Worn;", "colours Dye;", "attributes wetness.")):
+        judgement.check(any(all(word in sentence for word in words) for sentence in found), f"no remark says {words}: {found}")
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and all(sentence in said for sentence in found), f"what is left out: the bake says {said!r}")
+    judgement.count("remarks", 4)
+
+
+def state_of(scene):
+    """What a bake changes: the paper, whether it reads a cache that is there, whether the sheet is in sight, and what is left in the file."""
+    paper, sheet = scene.objects.get("baked.paper.Letter"), scene.objects["paper.Letter"]
+    cached = part("cache").reader(paper).cache_file if paper else None
+    readable = bool(cached) and pathlib.Path(bpy.path.abspath(cached.filepath)).exists()
+    return bool(paper), readable, sheet.hide_render, sheet.hide_get(), len([file for file in bpy.data.cache_files if file.users])
+
+
+def test_undo(judgement):
+    """Undo after a bake gives the scene before it, redo the paper again, and a bake after an undo bakes."""
+    scene = holding("undone")
+    bpy.context.preferences.edit.use_global_undo = True
+    with heard():
+        bpy.ops.ed.undo_push(message="before")
+    before = state_of(scene)
+    report(bpy.ops.paperbake.bake)
+    with heard():
+        bpy.ops.ed.undo_push(message="Bake Paper")
+    after = state_of(bpy.context.scene)
+    judgement.check(before == (False, False, False, False, 0) and after == (True, True, True, True, 1), f"a bake changes the scene from {before} to {after}")
+    with heard():
+        bpy.ops.ed.undo()
+    judgement.check(state_of(bpy.context.scene) == before, f"after undo the scene is {state_of(bpy.context.scene)}")
+    with heard():
+        bpy.ops.ed.redo()
+    judgement.check(state_of(bpy.context.scene) == after, f"after redo the scene is {state_of(bpy.context.scene)}")
+    with heard():
+        bpy.ops.ed.undo()
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and state_of(bpy.context.scene) == after, f"a bake after undo: {state_of(bpy.context.scene)}, it says {said!r}")
+    judgement.count("undos", 2)
 
 
 def expect_error(judgement, what, *fragments):
@@ -497,6 +618,10 @@ def test_missed_gate_is_a_warning(judgement):
     judgement.check(outcome.level == "WARNING" and "less well" in outcome.sentence and "handle" in outcome.sentence and outcome.sentence in said,
                     f"impossible handles: it says {said!r}")
     judgement.check(result == {"FINISHED"} and "baked.paper.Letter" in scene.objects, "impossible handles: nothing was loaded")
+    told = part("job").DRAFT_TOLD
+    _, drafted = report(bpy.ops.paperbake.draft)
+    summary = json.loads((FOLDER / "apart" / "paperbake" / "draft" / "cert" / "summary.json").read_text(encoding="utf-8"))
+    judgement.check(told in drafted and told not in said and summary["attempts"] is None, f"a draft that misses a gate says {drafted!r}")
     judgement.count("failures", 1)
 
 
@@ -641,7 +766,8 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_order_and_words_of_messages, test_options_of_the_panel, test_nothing_holds_it,
+                     test_what_is_left_out_is_told, test_undo, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))

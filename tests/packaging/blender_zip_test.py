@@ -50,6 +50,32 @@ def judge_bake(judgement, bpy, fixture):
     judgement.count("vertices", len(ends[0]))
 
 
+def judge_message(judgement, bpy, fixture):
+    """Two corners pulled apart by a tenth: loaded, and the panel says why before it says what was
+    missed, as the program of the zip words it. The draft says that it is one."""
+    scene, sheet = fixture.new_scene("apart")
+    fixture.select(sheet)
+    with fixture.heard():
+        bpy.ops.paperbake.mark_sheet()
+    for u in (-0.5, 0.5):
+        ends = fixture.place(sheet, u, 0.5), fixture.place(sheet, 1.1 * u, 0.5)
+        fixture.key(fixture.empty("handle", (0, 0, 0)), "location", *ends)
+    result, said = fixture.report(bpy.ops.paperbake.draft)
+    context = fixture.types.SimpleNamespace(scene=scene, object=None)
+    shown = " ".join(fixture.panels(context).texts)
+    lines = bpy.data.texts["Paperbake"].as_string().splitlines()
+    missed = lines.index("Baked, but less well than asked for:")
+    judgement.check(result == {"FINISHED"} and "WARNING" not in lines[0], f"it says {said}")
+    judgement.check(missed > 0 and all("handle" in line for line in lines[:missed]),
+                    f"the reason is not the first: {lines}")
+    judgement.check("a handle is off by" in lines[missed + 1], f"no gate is told: {lines}")
+    judgement.check("attempt " not in "".join(lines[:missed + 2]), f"attempts come first: {lines}")
+    judgement.check(fixture.part("job").DRAFT_TOLD in lines, f"no word of a draft: {lines}")
+    judgement.check(shown.index(lines[0][:20]) < shown.index("less well than"),
+                    f"the panel shows {shown}")
+    judgement.count("messages", len(lines))
+
+
 def judge_other_program(judgement, bpy, fixture):
     """The preferences still choose another one."""
     fixture.use(FOLDER / "nowhere")
@@ -75,9 +101,10 @@ def inside():
     if judgement.check(enabled, "Blender does not enable the add-on"):
         judge_program(judgement, fixture.part("program").located(""))
         judge_bake(judgement, bpy, fixture)
+        judge_message(judgement, bpy, fixture)
         judge_other_program(judgement, bpy, fixture)
     name = f"Blender {bpy.app.version_string}"
-    return judgement.conclude(name, ("libraries", "vertices", "choices"))
+    return judgement.conclude(name, ("libraries", "vertices", "messages", "choices"))
 
 
 def main():
