@@ -18,7 +18,7 @@ struct Leap {
 };
 
 /// The leaps of all sheets, in order of their frames. The sheet, which touches no other and which no
-/// handle lets go in this frame, moves
+/// handle lets go of in this frame, moves
 ///
 /// - by more than 2 % of its longer side and farther than what drives it; and
 /// - more than three times as far as in the frames beside it; where what drives it is faster than
