@@ -178,6 +178,12 @@ def explaining(warnings, gates):
     return [w for w in warnings if named(w) & missed], [w for w in warnings if not named(w) & missed]
 
 
+def without(reasons, gates):
+    """The gates without the sentences with which they repeat a reason."""
+    said = [next((gate[len(reason):].strip() for reason in reasons if gate.startswith(reason)), gate) for gate in gates]
+    return [gate for gate in said if gate]
+
+
 def attempts_last(messages):
     """(what the panel shows, with what was decided about attempts at its end; how these went on, which is for the text block alone)"""
     under_way = [message for message in messages if re.match(r"attempt \d+ of \d+", message)]
@@ -219,6 +225,7 @@ def outcome(code, process, summary, fresh):
         missed = summary.get("gates_missed") or process.gates
         # what was warned of beforehand explains what was missed
         reasons, others = explaining(shown, missed)
+        missed = without(reasons, missed)
         return spoken("WARNING", [*reasons, "Baked, but less well than asked for:", *missed, *others], under_way, fresh)
     if code == 0:
         worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)

@@ -159,22 +159,34 @@ std::string what_touches(const FrameRecord& f, const BakePlan& plan) {
   return fmt::format("{}", fmt::join(found, " and "));
 }
 
-/// The handle that the paper could follow least, if one is known, and why it could not.
-std::string worst_jam(const FrameRecord& f, const BakePlan& plan) {
+/// The handle that the paper could follow least; null: none is known.
+const Jam* worst_jam(const FrameRecord& f) {
   const auto worst =
       std::max_element(f.jammed.begin(), f.jammed.end(),
                        [](const Jam& a, const Jam& b) { return a.off_mm < b.off_mm; });
-  if (worst == f.jammed.end()) return "";
-  const bool out_of_reach = std::any_of(
-      plan.impossible.begin(), plan.impossible.end(), [&](const UnreachablePairOfSheet& i) {
-        return i.sheet == f.sheet && i.pair.first <= f.frame && f.frame <= i.pair.last &&
-               (i.pair.a == worst->handle || i.pair.b == worst->handle);
-      });
+  return worst == f.jammed.end() ? nullptr : &*worst;
+}
+
+/// Whether the handle that the paper could follow least, if one is known, is keyed out of reach.
+bool is_out_of_reach(const FrameRecord& f, const BakePlan& plan) {
+  const Jam* jam = worst_jam(f);
+  return jam && std::any_of(plan.impossible.begin(), plan.impossible.end(),
+                            [&](const UnreachablePairOfSheet& i) {
+                              return i.sheet == f.sheet && i.pair.first <= f.frame &&
+                                     f.frame <= i.pair.last &&
+                                     (i.pair.a == jam->handle || i.pair.b == jam->handle);
+                            });
+}
+
+/// The handle that the paper could follow least, if one is known, and why it could not.
+std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
+  const Jam* worst = worst_jam(f);
+  if (!worst) return "";
   const std::string touches = what_touches(f, plan);
   return fmt::format(
       " (\"{}\" is {})", worst->handle,
-      out_of_reach       ? "keyed beyond the reach of the paper"
-      : !touches.empty() ? "jammed; the sheet touches " + touches
+      is_out_of_reach(f, plan) ? "keyed beyond the reach of the paper"
+      : !touches.empty()       ? "jammed; the sheet touches " + touches
       : has_start_fault(plan, f.sheet)
           ? "jammed"
           : "jammed, though nothing touches the sheet: its mesh does not fold any farther");
@@ -196,10 +208,13 @@ std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
   for (const FrameRecord& f : frames)
     if (f.step_unsolved) given_up.insert(f.frame);
   if (given_up.empty()) return "";
+  const std::string when = given_up.size() == 1
+                               ? fmt::format("frame {}", *given_up.begin())
+                               : fmt::format("{} frames from {} to {}", given_up.size(),
+                                             *given_up.begin(), *given_up.rbegin());
   return fmt::format(
-      "In {} frames from {} to {} the sheet stands still because the step was not solved: look at "
-      "what it meets there.",
-      given_up.size(), *given_up.begin(), *given_up.rbegin());
+      "In {} the sheet stands still because the step was not solved: look at what it meets there.",
+      when);
 }
 
 std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
@@ -234,16 +249,19 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
                                      const BakePlan& plan) {
   Review review(frames, plan.shots.size() > 1);
   review_lengths(gates, review);
+  bool is_beyond_reach = false;
   review.check(
       Gate::handles, gates.handle_err_mm,
       [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       [&](const FrameRecord& f, double value) {
+        is_beyond_reach = is_out_of_reach(f, plan);
         return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
-                           gates.handle_err_mm, worst_jam(f, plan));
+                           gates.handle_err_mm, describe_worst_jam(f, plan));
       });
   if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
     if (const std::string unsolved = describe_unsolved(frames); !unsolved.empty())
       review.missed.back().sentence += " " + unsolved;
+  if (is_beyond_reach) review.missed.back().advice.clear();  // that of the reach is given
   review_crossings(review);
   review.check(
       Gate::colliders, gates.inside_mm,

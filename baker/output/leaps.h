@@ -17,8 +17,8 @@ struct Leap {
   bool crumpled = false;  // the sheet has singular points by then
 };
 
-/// The leaps of all sheets, in order of their frames. The sheet, which touches no other and which no
-/// handle lets go of in this frame, moves
+/// The leaps of all sheets, in order of their frames. The sheet touches no other one, and no handle
+/// lets go of it in this frame. It moves
 ///
 /// - by more than 2 % of its longer side and farther than what drives it; and
 /// - more than three times as far as in the frames beside it; where what drives it is faster than

@@ -142,6 +142,7 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
                 .at(0)
                 .sentence.find("(\"handle.b\" is keyed beyond the reach of the paper)."),
             std::string::npos);
+  EXPECT_TRUE(missed_gates({}, frames, plan).at(0).advice.empty()) << "that of the reach counts";
   frames[1].statistics.handle_error_max = 0.04;
   for (const int k : {1, 2}) frames[k].step_unsolved = true;
   const std::string sentence = missed_gates({}, frames, plan).at(0).sentence;
