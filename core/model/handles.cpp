@@ -58,7 +58,13 @@ std::vector<Vector2d> disc_rim(const Pattern& pattern, const Vector2d& centre, d
     const Vector2d border = nearest_border_point(pattern, p);
     if ((border - p).norm() < 0.02 * radius) p = border;
   }
-  return rim;
+  // where the circle hardly leaves the pattern, two arcs end beside each other: one point is enough
+  std::vector<Vector2d> apart;
+  for (const Vector2d& p : rim)
+    if (apart.empty() || (p - apart.back()).norm() > 0.1 * radius) apart.push_back(p);
+  while (apart.size() > 1 && (apart.front() - apart.back()).norm() <= 0.1 * radius)
+    apart.pop_back();
+  return apart;
 }
 
 }  // namespace paperbake

@@ -142,6 +142,17 @@ TEST(HandlesTest, ARimCutByTheBorderEndsOnTheBorderAtItsRadius) {
   }
 }
 
+TEST(HandlesTest, ARimThatHardlyPassesTheBorderTouchesItInOnePoint) {
+  const Pattern sheet = rectangle(0.1, 0.07);
+  for (const double beyond : {-1e-9, 1e-9, 1e-6, 1e-5}) {
+    const std::vector<Vector2d> rim = disc_rim(sheet, {0.03, 0.01 - beyond}, 0.01);
+    for (std::size_t i = 0; i < rim.size(); ++i)
+      EXPECT_GT((rim[i] - rim[(i + 1) % rim.size()]).norm(), 1e-3) << beyond;
+    EXPECT_LE(on_border(sheet, rim), 1) << beyond;
+    EXPECT_GE(rim.size(), 5u) << beyond;
+  }
+}
+
 TEST(HandlesTest, TheRimBetweenTwoBordersHasTwoArcs) {
   const Pattern strip = rectangle(0.1, 0.01);
   const std::vector<Vector2d> rim = disc_rim(strip, {0.05, 0.004}, 0.015);
