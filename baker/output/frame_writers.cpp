@@ -159,9 +159,13 @@ class PreviewFrameWriter : public FrameWriter {
     preview_.add_frame(number, frame);
     return {};
   }
-  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles& files) override {
-    files.write(file_, [&](const auto& path) { write_png(path, preview_.picture(shot.handles)); });
+  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles&) override {
+    preview_.add_handles(shot.handles);
     return {};
+  }
+  void write_ending(const BakeEnding& ending, BakeFiles& files) override {
+    const char* verdict = ending.missed.empty() ? "" : ", gate missed";
+    files.write(file_, [&](const auto& path) { write_png(path, preview_.picture(verdict)); });
   }
 
  private:

@@ -179,7 +179,7 @@ void Preview::add_frame(int frame, const CacheFrame& cached) {
   if (!frames_.contains(frame)) return;
   auto at = std::lower_bound(shown_.begin(), shown_.end(), frame,
                              [](const PreviewFrame& s, int f) { return s.frame < f; });
-  if (at == shown_.end() || at->frame != frame) at = shown_.insert(at, {frame, {}});
+  if (at == shown_.end() || at->frame != frame) at = shown_.insert(at, {frame, {}, {}});
   CacheFrame kept;
   kept.x = cached.x;
   kept.triangles = cached.triangles;
@@ -188,20 +188,24 @@ void Preview::add_frame(int frame, const CacheFrame& cached) {
   at->sheets.push_back(std::move(kept));
 }
 
-Image Preview::picture(const std::vector<HandleRecord>& handles) const {
+void Preview::add_handles(const std::vector<HandleRecord>& handles) {
+  for (const HandleRecord& handle : handles)
+    for (PreviewFrame& shown : shown_)
+      if (handle.frame == shown.frame && handle.state != HandleFrame::free)
+        shown.handles.push_back(handle);
+}
+
+Image Preview::picture(const std::string& verdict) const {
   std::vector<Panel> panels;
   for (const PreviewFrame& shown : shown_) {
-    Panel panel{{std::to_string(shown.frame)}, shown.sheets, {}, {}};
+    Panel panel{{std::to_string(shown.frame)}, shown.sheets, shown.handles, {}};
     if (colliders_) {
       for (const auto& shape : shapes_at(*colliders_, shown.frame - first_frame_))
         panel.colliders.push_back({shape->mesh().x, shape->mesh().triangles});
     }
-    for (const HandleRecord& handle : handles)
-      if (handle.frame == shown.frame && handle.state != HandleFrame::free)
-        panel.handles.push_back(handle);
     panels.push_back(std::move(panel));
   }
-  return contact_sheet(title_, panels);
+  return contact_sheet(title_ + verdict, panels);
 }
 
 }  // namespace paperbake

@@ -50,12 +50,17 @@ class Preview {
   /// A frame of one of the sheets; kept when it is one that is shown.
   void add_frame(int frame, const CacheFrame&);
 
-  Image picture(const std::vector<HandleRecord>&) const;
+  /// The handles of all frames; those of frames that are shown are kept.
+  void add_handles(const std::vector<HandleRecord>&);
+
+  /// verdict  is added to the title
+  Image picture(const std::string& verdict) const;
 
  private:
   struct PreviewFrame {
     int frame;
     std::vector<CacheFrame> sheets;
+    std::vector<HandleRecord> handles;  // that hold or are jammed
   };
   std::string title_;
   FrameSpan frames_;

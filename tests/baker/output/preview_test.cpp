@@ -187,5 +187,27 @@ TEST_F(PreviewCommandTest, APreviewAndACertificateAloneRenderOnlyWhatIsShown) {
   EXPECT_EQ(run({"verify", output()}).code, 4) << "a picture cannot be verified";
 }
 
+TEST(PreviewTest, TheTitleSaysWhetherAGateWasMissed) {
+  Preview preview("shot", {1, 1, 1}, nullptr, 1);
+  CacheFrame frame;
+  frame.x = Points3::Zero(3, 3);
+  frame.x(1, 0) = frame.x(2, 2) = 0.1;
+  frame.triangles = Triangles(1, 3);
+  frame.triangles << 0, 1, 2;
+  frame.normal = Points3::Constant(3, 3, 0.5);
+  frame.normal_of_corner = frame.triangles;
+  preview.add_frame(1, frame);
+  const Image good = preview.picture(""), bad = preview.picture(", gate missed");
+  ASSERT_EQ(good.pixels.size(), bad.pixels.size());
+  constexpr int title_height = 30;
+  int changed = 0;
+  for (std::size_t k = 0; k < good.pixels.size(); ++k) {
+    const bool is_same = good.pixels[k] == bad.pixels[k];
+    changed += !is_same;
+    EXPECT_TRUE(is_same || static_cast<int>(k) / good.width < title_height) << k;
+  }
+  EXPECT_GT(changed, 100);
+}
+
 }  // namespace
 }  // namespace paperbake
