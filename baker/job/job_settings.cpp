@@ -197,7 +197,8 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
     text += fmt::format("{}  # [{}]\n", line, parameter.unit);
   }
   text +=
-      "\n# Sheets and handles by name: * and ? stand for letters. \"Handle_L.001\", \"ns:handle.l\" "
+      "\n# Sheets and handles by name: * and ? stand for letters. \"Handle_L.001\", "
+      "\"ns:handle.l\" "
       "and \"handle-l\" are all met by \"handle.l\".\n"
       "# A value here has the meaning of the property paper_... of the node and wins over it; of "
       "two sections the later one.\n";
