@@ -55,13 +55,39 @@ std::optional<Segment2> part_along(const Segment2& line, const Segment2& drawn, 
   return direction.dot(along) > 0 ? Segment2{*a, *b} : Segment2{*b, *a};
 }
 
+// [1] of the longer side: a handle that goes with a clamp is on the line of that clamp if it is this
+// near
+constexpr double on_own_line = 3e-4;
+
+/// [m] How near to a line a handle is that is taken for a point of it. One that goes with one of the
+/// two clamps stays in its place on that clamp: were the line moved onto it, one flap would be longer
+/// than the way from the line to its hand, and bulge. Slack s in a flap of length L makes it
+/// (2/pi) (s L)^1/2 high.
+double near_to(const FoldAxis& line, int handle, const Clamps& clamps) {
+  int row = 0;
+  double most = 0;
+  for (int r = 0; r < static_cast<int>(line.turn.size()); ++r)
+    if (std::abs(line.turn[r]) > most) most = std::abs(line.turn[row = r]);
+  const double near = on_own_line * clamps.side();
+  const Vector2d p = clamps.place(handle);
+  const auto goes_with = [&](const Clamp& clamp) {
+    if (std::find(clamp.handles.begin(), clamp.handles.end(), handle) != clamp.handles.end())
+      return true;
+    if (!clamp.is_plate || !clamps.held(handle, row)) return false;
+    const std::optional<RigidMotion> pose = clamps.pose(clamp, row);
+    return pose && (clamps.keyed(handle, row) - (*pose)({p.x(), p.y(), 0})).norm() < near;
+  };
+  return goes_with(*line.plate) || goes_with(*line.other) ? near : on_line * clamps.side();
+}
+
 /// The line through the two handles on it that are farthest from each other, or through the only
 /// one.
-FoldAxis through_handles(FoldAxis line, const Shot& shot) {
+FoldAxis through_handles(FoldAxis line, const Clamps& clamps, const Shot& shot) {
   const double side = longer_side(shot.pattern);
   std::vector<Vector2d> on;
-  for (const Handle& handle : shot.handles)
-    if (std::abs(line.side(handle.pattern)) < on_line * side) on.push_back(handle.pattern);
+  for (std::size_t h = 0; h < shot.handles.size(); ++h)
+    if (std::abs(line.side(shot.handles[h].pattern)) < near_to(line, static_cast<int>(h), clamps))
+      on.push_back(shot.handles[h].pattern);
   if (on.empty()) return line;
   const auto [first, last] =
       std::minmax_element(on.begin(), on.end(), [&](const Vector2d& p, const Vector2d& q) {
@@ -74,7 +100,7 @@ FoldAxis through_handles(FoldAxis line, const Shot& shot) {
 }
 
 /// The parts of the line that have paper on both sides: those along the border have not.
-std::vector<Segment2> on_paper(const FoldAxis& line, const Shot& shot) {
+std::vector<Segment2> on_paper(const FoldAxis& line, const Clamps& clamps, const Shot& shot) {
   const double side = longer_side(shot.pattern), on_border = 1e-4 * side;
   std::vector<double> cuts;
   const auto cut = [&](const std::vector<Vector2d>& polygon) {
@@ -92,8 +118,10 @@ std::vector<Segment2> on_paper(const FoldAxis& line, const Shot& shot) {
   std::sort(cuts.begin(), cuts.end());
   const auto place = [&](double s) -> Vector2d { return line.point + s * line.direction; };
   const auto at = [&](double s) {
-    for (const Handle& handle : shot.handles)  // an end beside a handle is the handle
-      if ((handle.pattern - place(s)).norm() < on_line * side) return handle.pattern;
+    for (std::size_t h = 0; h < shot.handles.size(); ++h)  // an end beside a handle is the handle
+      if (const Vector2d& p = shot.handles[h].pattern;
+          (p - place(s)).norm() < near_to(line, static_cast<int>(h), clamps))
+        return p;
     return place(s);
   };
   const Vector2d across = 2 * on_border * Vector2d(-line.direction.y(), line.direction.x());
@@ -273,6 +301,13 @@ void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
   look_until(crease.line.b);
 }
 
+/// Adds the frames in which other hands fold along a line that is known, and the first ones do not
+/// hold.
+void add_turn(ExpectedCrease& crease, const FoldAxis& axis) {
+  for (std::size_t row = 0; row < crease.turn.size(); ++row)
+    if (std::isnan(crease.turn[row])) crease.turn[row] = axis.turn[row];
+}
+
 bool is_same_line(const Segment2& a, const Segment2& b, double side) {
   const auto near = [&](const Vector2d& p) {
     return distance_to_segment(p, b.a, b.b) < same_line * side;
@@ -286,16 +321,20 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
   const Clamps clamps(shot, first_frame);
   using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> expected;
-  const auto is_known = [&](const Segment2& line) {
-    return std::any_of(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
+  const auto known = [&](const Segment2& line) {
+    return std::find_if(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
       return is_same_line(known.line, line, clamps.side());
     });
   };
   const std::vector<FoldAxis> axes = axes_of(clamps);
   for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
     for (const FoldAxis& axis : axes)
-      for (const Segment2& part : on_paper(through_handles(axis, shot), shot))
-        if (!is_known(part) && is_between(part, axis, clamps, shot.pattern, by_what))
+      for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot))
+        if (!is_between(part, axis, clamps, shot.pattern, by_what))
+          continue;
+        else if (const auto same = known(part); same != expected.end())
+          add_turn(*same, axis);
+        else
           expected.push_back({part,
                               {},
                               {},
@@ -319,7 +358,7 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
   const auto add = [&](std::vector<ExpectedCrease> more) {
     const std::size_t before = expected.size();
     for (ExpectedCrease& crease : more)
-      if (!is_known(crease.line)) expected.push_back(std::move(crease));
+      if (known(crease.line) == expected.end()) expected.push_back(std::move(crease));
     join_ends(expected, before, shot.pattern);
   };
   add(lead_through_layers(expected, shot.pattern));

@@ -134,17 +134,12 @@ bool SheetSimulation::go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start,
 }
 
 bool SheetSimulation::leave_colliders(const AdmissibilityCheck& is_admissible) {
-  const ColliderShapes& shapes = now_.input.colliders.from;
-  const auto depth = [&] { return simulated_.elastic.inside(sheet(), shapes); };
-  if (depth() <= give_way_depth) return true;
-  constexpr int most_passes = 32;
   const Sheet before = sheet();
-  ColliderClearance clearance(shot_.colliders, shapes, before.triangles, before.x);
-  std::vector<char> held(before.x.rows(), 0);
-  for (const PositionConstraint& c : now_.input.constraints) held[c.vertex] = 1;
-  for (int pass = 0; pass < most_passes && depth() > 0; ++pass)
-    clearance.push_out(held, give_way_depth, simulated_.sheet.x);
-  return depth() <= give_way_depth && crossings(sheet()) == 0 && is_admissible(before, sheet(), 0);
+  if (!simulated_.elastic.leave_colliders(simulated_.sheet, now_.input.colliders.from,
+                                          now_.input.constraints))
+    return false;
+  const bool is_pushed = !same_entries(before.x, sheet().x);
+  return !is_pushed || (crossings(sheet()) == 0 && is_admissible(before, sheet(), 0));
 }
 
 bool SheetSimulation::is_held_back_by_mesh() const {

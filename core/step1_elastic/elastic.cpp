@@ -160,6 +160,23 @@ double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
   return at_rest.inside(sheet.x);
 }
 
+bool Elastic::leave_colliders(Sheet& sheet, const ColliderShapes& shapes,
+                              const PositionConstraints& held) const {
+  if (!impl_->colliders) return true;
+  constexpr int most_passes = 32;
+  ColliderContact at_rest = *impl_->colliders;
+  at_rest.begin(sheet.x, {shapes, shapes}, {});
+  double depth = at_rest.inside(sheet.x);
+  if (depth <= give_way_depth) return true;
+  std::vector<char> stays(sheet.x.rows(), 0);
+  for (const PositionConstraint& c : held) stays[c.vertex] = 1;
+  for (int pass = 0; pass < most_passes && depth > 0; ++pass) {
+    at_rest.push_out(stays, give_way_depth, sheet.x);
+    depth = at_rest.inside(sheet.x);
+  }
+  return depth <= give_way_depth;
+}
+
 ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation how_far) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);

@@ -241,6 +241,11 @@ class Elastic {
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.
   double inside(const Sheet&, const ColliderShapes&) const;
+  /// Pushes a sheet out of colliders into which edges and triangles of its mesh cut, because those
+  /// of the mesh that it was on before went round them elsewhere. Its vertices are outside.
+  /// held     vertices that stay
+  /// returns  whether it is outside then, but for give_way_depth
+  bool leave_colliders(Sheet&, const ColliderShapes&, const PositionConstraints& held) const;
 
   /// A copy of the state, including the plastic grid, and the rollback to such a copy. As long as
   /// the mesh is the same, the steps in between leave no trace.

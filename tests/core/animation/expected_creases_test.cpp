@@ -259,10 +259,10 @@ TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
   const auto distance = [](const ExpectedCrease& line, const Vector2d& p) {
     return distance_to_segment(p, line.line.a, line.line.b);
   };
-  const Vector2d inside(0.1, low_fold + 1e-4), at_border(0.210, low_fold - 1e-4),
+  const Vector2d inside(0.1, low_fold + 5e-5), at_border(0.210, low_fold - 5e-5),
       far(0.1, low_fold + 5e-3);
   for (const auto& points : std::vector<std::vector<Vector2d>>{
-           {inside}, {at_border}, {{0, low_fold + 1e-4}, at_border}}) {
+           {inside}, {at_border}, {{0, low_fold + 5e-5}, at_border}}) {
     const std::vector<ExpectedCrease> lines = with(points);
     ASSERT_EQ(lines.size(), 2u);
     const bool first = distance(lines[0], points[0]) < 1e-3;
@@ -276,6 +276,39 @@ TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
     for (const Vector2d& p : {line.line.a, line.line.b}) exact += p == at_border;
   EXPECT_EQ(exact, 1);
   EXPECT_TRUE(line_between(with({far}), {0, low_fold}, {0.210, low_fold}));
+}
+
+TEST(ExpectedCreasesTest, AHandleOfAClampBesideTheLineDoesNotMoveIt) {
+  // it goes where the clamp goes: a line through it would make one flap longer than the way to its
+  // hand, so that it would bulge
+  for (const double beside : {0.0005, 0.0008, 0.002}) {
+    const Plate lying{{{0.01, 0.01}, {0.01, 0.14}, {0.06, 0.07}}, still},
+        fingers{{{0.075 - beside, 0.03}, {0.075 - beside, 0.12}}, still},
+        flap{{{0.14, 0.01}, {0.14, 0.14}, {0.09, 0.07}}, [](double s) {
+               return turned(s * 170 * degrees, {0.075, 0}, {0, -1});
+             }};
+    const std::vector<ExpectedCrease> lines = lines_of(held(page, {lying, fingers, flap}));
+    EXPECT_EQ(lines.size(), 1u) << beside;
+    EXPECT_TRUE(line_between(lines, {0.075, 0}, {0.075, 0.15})) << beside;
+  }
+}
+
+TEST(ExpectedCreasesTest, AHandThatTakesOverFromAnotherFoldsOnAlongItsLine) {
+  const Poses turns = [](double s) { return turned(s * 172 * degrees, {0.075, 0}, {0, -1}); };
+  const Plate still_half{{{0.01, 0.01}, {0.01, 0.14}, {0.06, 0.07}}, still},
+      first{{{0.14, 0.01}, {0.14, 0.14}, {0.09, 0.07}}, turns},
+      second{{{0.13, 0.03}, {0.13, 0.12}, {0.10, 0.05}}, turns};
+  constexpr int change = 14;  // frame of the scene
+  for (const int gap : {-3, 0, 2}) {
+    Shot shot = held(page, {still_half, first, second});
+    for (std::size_t h = 3; h < 6; ++h) shot.handles[h].release_frame = first_frame + change;
+    for (std::size_t h = 6; h < 9; ++h) shot.handles[h].grab_frame = first_frame + change + gap;
+    const std::vector<ExpectedCrease> lines = lines_of(shot);
+    ASSERT_EQ(lines.size(), 1u) << gap;
+    EXPECT_NEAR(std::abs(largest_turn(lines[0])), 172 * degrees, 1e-9) << gap;
+    for (int f = 0; f < frames; ++f)
+      EXPECT_EQ(std::isnan(lines[0].turn[f]), f >= change && f < change + gap) << gap << ' ' << f;
+  }
 }
 
 TEST(ExpectedCreasesTest, WhatTheArtistHasDrawnAlongALineIsMovedOntoItAndFoldedByHands) {
