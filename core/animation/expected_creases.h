@@ -52,11 +52,11 @@ double largest_turn(const ExpectedCrease&);
 /// if that is a line to within 2 % of the longer side at the frame of the largest turn, with the
 /// two clamps on different sides of it and no clamp on both that holds while it is folded, and no
 /// other line between one of them and it. Handles that are on the line within 0.5 % of the longer
-/// side, those of the two clamps within 0.03 %, are taken as points of it. Lines end at the border, and those that end within 0.5 % of each
-/// other at one point.
+/// side, those of the two clamps within 0.03 %, are taken as points of it. Lines end at the border,
+/// and those that end within 0.5 % of each other at one point.
 ///
-/// Other clamps that fold along the same line add their turn in the frames in which the first ones do
-/// not hold.
+/// Other clamps that fold along the same line add their turn in the frames in which the first ones
+/// do not hold.
 ///
 /// Two or more handles in a row are enough on one side, if they are lifted out of the plane of the
 /// clamp on the other: the crease is where their distance from the clamp stays that of the pattern.
