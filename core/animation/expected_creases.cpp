@@ -58,8 +58,8 @@ std::optional<Segment2> part_along(const Segment2& line, const Segment2& drawn, 
 // [1] of the longer side: so near to its line is a handle on it that goes with one of the clamps
 constexpr double on_own_line = 3e-4;
 
-/// [m] How near to a line a handle is that is taken for a point of it. One that goes with one of both
-/// clamps stays in its place on that clamp: were the line moved onto it, one flap would be
+/// [m] How near to a line a handle is that is taken for a point of it. One that goes with a
+/// clamp stays in its place on that clamp: were the line moved onto it, one flap would be
 /// longer than the way from the line to its hand, and bulge. Slack s in a flap of length L makes it
 /// (2/pi) (s L)^1/2 high.
 double near_to(const FoldAxis& line, int handle, const Clamps& clamps) {
