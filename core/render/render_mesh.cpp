@@ -2,6 +2,7 @@
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/error.h"
 #include "core/model/segment2.h"
 #include "core/render/crease_rows.h"
 #include "core/render/short_edges.h"
@@ -149,7 +150,12 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
         number[s] = static_cast<int>(required.size());
         required.push_back(sites.points[s]);
       }
-  PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
+  std::optional<PatternMesh> found_mesh = try_mesh_pattern(pattern, edge, required, 0, border);
+  if (!found_mesh)
+    throw Error(ErrorCode::simulation, "render mesh",
+                "Some points and creases of the sheet are too near to each other or to its border.",
+                "Bake with another --seed.");
+  PatternMesh& mesh = *found_mesh;
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
   for (const int site : site_of_point)
     result.point_vertex.push_back(mesh.point_vertex[number[site]]);
