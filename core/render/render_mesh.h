@@ -67,8 +67,8 @@ struct RenderMesh {
 ///
 /// Where lines cross beside each other, edges shorter than 0.02 edges are merged, so that lines
 /// have their vertices up to that far beside them.
-/// throws  Error(ErrorCode::simulation) when no triangulation has all its points and creases, because
-///         they are too near to each other or to the border
+/// throws  Error(ErrorCode::simulation) when no triangulation has all its points and creases:
+///         some are too near to each other or to the border
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 
 /// The same, with edges as much longer as it takes to have no more triangles than that.
