@@ -137,7 +137,7 @@ std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& s
     BakePlan plan = plan_of(k);
     plan.polish = {};
     const std::filesystem::path folder = folder_of(k);
-    make_folder(folder, "attempt");
+    make_folder(folder);
     const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
     all.push_back(std::make_unique<Candidate>(
         std::move(plan), k == 0 ? seen_ : describe_attempt(k),

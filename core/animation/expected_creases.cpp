@@ -58,16 +58,17 @@ std::optional<Segment2> part_along(const Segment2& line, const Segment2& drawn, 
 // [1] of the longer side: so near to its line is a handle on it that goes with one of the clamps
 constexpr double on_own_line = 3e-4;
 
-/// [m] How near to a line a handle is that is taken for a point of it. One that goes with a
-/// clamp stays in its place on that clamp: were the line moved onto it, one flap would be
-/// longer than the way from the line to its hand, and bulge. Slack s in a flap of length L makes it
+/// Whether a handle so far from a line [m] is taken for a point of it. One that goes with a clamp
+/// stays in its place on that clamp: were the line moved onto it, one flap would be longer than the
+/// way from the line to its hand, and bulge. Slack s in a flap of length L makes it
 /// (2/pi) (s L)^1/2 high.
-double near_to(const FoldAxis& line, int handle, const Clamps& clamps) {
+bool is_point_of(const FoldAxis& line, int handle, double distance, const Clamps& clamps) {
+  const double near = on_own_line * clamps.side();
+  if (distance < near || distance >= on_line * clamps.side()) return distance < near;
   int row = 0;
   double most = 0;
   for (int r = 0; r < static_cast<int>(line.turn.size()); ++r)
     if (std::abs(line.turn[r]) > most) most = std::abs(line.turn[row = r]);
-  const double near = on_own_line * clamps.side();
   const Vector2d p = clamps.place(handle);
   const auto goes_with = [&](const Clamp& clamp) {
     if (std::find(clamp.handles.begin(), clamp.handles.end(), handle) != clamp.handles.end())
@@ -76,7 +77,7 @@ double near_to(const FoldAxis& line, int handle, const Clamps& clamps) {
     const std::optional<RigidMotion> pose = clamps.pose(clamp, row);
     return pose && (clamps.keyed(handle, row) - (*pose)({p.x(), p.y(), 0})).norm() < near;
   };
-  return goes_with(*line.plate) || goes_with(*line.other) ? near : on_line * clamps.side();
+  return !goes_with(*line.plate) && !goes_with(*line.other);
 }
 
 /// The line through the two handles on it that are farthest from each other, or through the only
@@ -85,8 +86,9 @@ FoldAxis through_handles(FoldAxis line, const Clamps& clamps, const Shot& shot) 
   const double side = longer_side(shot.pattern);
   std::vector<Vector2d> on;
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
-    if (std::abs(line.side(shot.handles[h].pattern)) < near_to(line, static_cast<int>(h), clamps))
-      on.push_back(shot.handles[h].pattern);
+    if (const Vector2d& p = shot.handles[h].pattern;
+        is_point_of(line, static_cast<int>(h), std::abs(line.side(p)), clamps))
+      on.push_back(p);
   if (on.empty()) return line;
   const auto [first, last] =
       std::minmax_element(on.begin(), on.end(), [&](const Vector2d& p, const Vector2d& q) {
@@ -119,7 +121,7 @@ std::vector<Segment2> on_paper(const FoldAxis& line, const Clamps& clamps, const
   const auto at = [&](double s) {
     for (std::size_t h = 0; h < shot.handles.size(); ++h)  // an end beside a handle is the handle
       if (const Vector2d& p = shot.handles[h].pattern;
-          (p - place(s)).norm() < near_to(line, static_cast<int>(h), clamps))
+          is_point_of(line, static_cast<int>(h), (p - place(s)).norm(), clamps))
         return p;
     return place(s);
   };
