@@ -23,7 +23,8 @@ class Clamps {
   Clamps(const Shot&, int first_frame);
 
   const std::vector<Clamp>& all() const { return clamps_; }
-  /// The absolute handles: what the others hold is not known before they take hold.
+  /// The absolute handles: what the others hold is not known before they take hold
+  /// (known_handles.h).
   const std::vector<int>& absolute() const { return absolute_; }
   /// Number of rows of the longest keys.
   int rows() const { return rows_; }

@@ -3,6 +3,7 @@
 #include "core/animation/fold_axis.h"
 #include "core/animation/folded_through.h"
 #include "core/animation/gussets.h"
+#include "core/animation/known_handles.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -318,7 +319,9 @@ bool is_same_line(const Segment2& a, const Segment2& b, double side) {
 
 }  // namespace
 
-std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) {
+std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_frame) {
+  Shot shot = as_keyed;
+  shot.handles = with_known_places(std::move(shot.handles), shot.start, first_frame);
   const Clamps clamps(shot, first_frame);
   using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> expected;

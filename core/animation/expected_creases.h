@@ -70,6 +70,9 @@ double largest_turn(const ExpectedCrease&);
 /// fold there. They are moved onto the line (drawn_creases): a fold beside it would ask for paper
 /// that is not there.
 ///
+/// Relative handles count as the absolute ones that they are while the sheet lies as it began
+/// (known_handles.h).
+///
 /// first_frame  frame of row 0 of Handle::keyed
 /// source       this project
 std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);

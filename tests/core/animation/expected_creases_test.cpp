@@ -113,6 +113,22 @@ std::vector<Plate> letter(double bottom = 177.5 * degrees, double top = 165 * de
            }}};
 }
 
+TEST(ExpectedCreasesTest, HandsThatPickUpALyingSheetAnnounceTheSameLines) {
+  Shot shot = held(a4, letter());
+  const std::vector<ExpectedCrease> absolute = lines_of(shot);
+  for (Handle& handle : shot.handles) {
+    handle.mode = HandleMode::relative;
+    handle.keyed.rowwise() += Eigen::RowVector3d(0.02, 0.01, 0.05);  // they hover beside it
+  }
+  const std::vector<ExpectedCrease> relative = lines_of(shot);
+  ASSERT_EQ(relative.size(), absolute.size());
+  for (std::size_t i = 0; i < relative.size(); ++i) {
+    EXPECT_LT((relative[i].line.a - absolute[i].line.a).norm(), 1e-9);
+    EXPECT_LT((relative[i].line.b - absolute[i].line.b).norm(), 1e-9);
+    EXPECT_NEAR(relative[i].turn.back(), absolute[i].turn.back(), 1e-9);
+  }
+}
+
 TEST(ExpectedCreasesTest, ThreeClampsOfALetterGiveItsTwoLinesAndTurns) {
   for (const double top : {165 * degrees, -165 * degrees}) {
     const std::vector<Plate> plates = letter(177.5 * degrees, top);
@@ -728,10 +744,14 @@ TEST(ExpectedCreasesTest, HandsThatFoldAcrossALineThatOthersHaveOpenedAgainDoNot
   EXPECT_FALSE(line_between(lines_of(shot), {0, w}, {w, 0}));
 }
 
-TEST(ExpectedCreasesTest, RelativeHandlesAreNoClamp) {
+TEST(ExpectedCreasesTest, HandlesThatTakeHoldOfAMovedSheetAreNoClamp) {
   Shot shot = held(page, corner(175 * degrees));
-  for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h)
+  for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h) {
     shot.handles[h].mode = HandleMode::relative;
+    shot.handles[h].grab_frame = first_frame + 2;
+  }
+  EXPECT_EQ(lines_of(shot).size(), 1u);
+  shot.handles[0].keyed(1, 2) += 0.01;
   EXPECT_TRUE(lines_of(shot).empty());
 }
 
