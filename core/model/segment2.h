@@ -37,10 +37,15 @@ inline std::optional<double> meeting(const Segment2& way, const Segment2& segmen
   return cross(apart, across) / turned;
 }
 
-/// Whether the line of a segment runs between these two points.
+/// Whether the straight line through a segment runs between these two points.
 inline bool separates(const Segment2& line, const Vector2d& p, const Vector2d& q) {
   const Vector2d along = line.b - line.a;
   return cross(along, p - line.a) * cross(along, q - line.a) < 0;
+}
+
+/// Whether two segments have a point of their insides in common.
+inline bool cross_each_other(const Segment2& one, const Segment2& two) {
+  return separates(one, two.a, two.b) && separates(two, one.a, one.b);
 }
 
 }  // namespace paperbake
