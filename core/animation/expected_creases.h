@@ -62,7 +62,9 @@ double largest_turn(const ExpectedCrease&);
 /// clamp on the other: the crease is where their distance from the clamp stays that of the pattern.
 ///
 /// The turn of the hands is known while the flat paper on both sides would meet at the line. Where
-/// it would not, the paper is bowed, and nothing presses the crease.
+/// it would not, the paper is bowed, and nothing presses the crease. Hands fold only if it is known
+/// in three quarters of the frames on the way to the largest turn, from 20 degrees on; others carry
+/// the paper along a curve, and bend it or roll it up.
 ///
 /// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///

@@ -16,6 +16,7 @@ namespace {
 constexpr double straight = 0.05;    // [1] ratio of the singular values of R_a - R_b
 constexpr double max_misfit = 0.02;  // [1] of the longer side
 constexpr double min_rise = 0.5;     // [1] of the distance of a row from the line
+constexpr double no_more = 0.02;     // [1] of a turn: one that is larger by less is no larger
 
 class FoldAxisSearch {
  public:
@@ -38,17 +39,45 @@ class FoldAxisSearch {
     double most = 0;
     line->turn.assign(clamps_.rows(), std::numeric_limits<double>::quiet_NaN());
     double last = 0;
+    Way way, way_to_most;
     for (int row = 0; row < clamps_.rows(); ++row) {
-      const std::optional<double> turn = turn_of(*line, plate, other, row);
+      const std::optional<Turn> turn = turn_of(*line, plate, other, row);
       if (!turn) continue;
+      const bool is_flat = turn->miss <= max_slack(*line, *turn);
+      way.add(*turn, is_flat);
+      if (!is_flat) continue;
       line->turn[row] = last =
-          sign * *turn + 2 * M_PI * std::round((last - sign * *turn) / (2 * M_PI));
+          sign * turn->angle + 2 * M_PI * std::round((last - sign * turn->angle) / (2 * M_PI));
+      if (std::abs(last) > (1 + no_more) * most) way_to_most = way;
       most = std::max(most, std::abs(last));
     }
-    return most < min_fold_turn ? std::nullopt : line;
+    return most < min_fold_turn || !way_to_most.is_about_the_line() ? std::nullopt : line;
   }
 
  private:
+  /// Where a clamp is in a row, as if the paper up to the line were flat.
+  struct Turn {
+    double angle;  // [rad] between a plate on the left of the line and the clamp on the right
+    double miss;   // [m] how far the flat paper on both sides is from meeting at the line
+  };
+
+  /// What the hands do until they have turned by so much: only if they turn about the line all
+  /// the way, they fold the paper there. Hands that carry the paper along a curve, to bend it or to
+  /// roll it up, may agree on a line as well in the end.
+  class Way {
+   public:
+    void add(const Turn& turn, bool is_flat) {
+      if (std::abs(turn.angle) < begun) return;
+      ++rows_;
+      flat_ += is_flat;
+    }
+    bool is_about_the_line() const { return flat_ >= least_share * rows_; }
+
+   private:
+    static constexpr double begun = 20 * M_PI / 180, least_share = 0.75;
+    int rows_ = 0, flat_ = 0;
+  };
+
   /// The line on which the equations n.p = c hold, by least squares; none where they hold in one
   /// point at most.
   /// normals  sum of n n^T
@@ -123,11 +152,10 @@ class FoldAxisSearch {
     return line;
   }
 
-  /// [rad] Dihedral angle between a plate on the left of the line and another clamp on the right,
-  /// in the first half of a turn to either side; none: one of them does not hold, or the paper
-  /// between them cannot be flat up to the line, because it is bowed.
-  std::optional<double> turn_of(const FoldAxis& line, const Clamp& plate, const Clamp& other,
-                                int row) const {
+  /// The turn of a clamp against the plate, in the first half of a turn to either side; none: one of
+  /// them does not hold.
+  std::optional<Turn> turn_of(const FoldAxis& line, const Clamp& plate, const Clamp& other,
+                              int row) const {
     const std::optional<RigidMotion> left = clamps_.pose(plate, row);
     if (!left) return std::nullopt;
     if (other.is_plate) {
@@ -138,32 +166,32 @@ class FoldAxisSearch {
       const Vector3d along = left->turn.leftCols<2>() * line.direction, nl = left->turn.col(2),
                      nr = right->turn.col(2);
       const double turn = std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
-      const double gap =
-          ((left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift).norm();
-      return gap > max_slack(line, turn) ? std::nullopt : std::optional(turn);
+      return Turn{
+          turn,
+          ((left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift).norm()};
     }
     Vector2d arm(0, 0);  // [m] away from the line in the plate, and along its normal
+    double miss = 0;
     for (const int h : other.handles) {
       if (!clamps_.held(h, row)) return std::nullopt;
       const Vector3d q = seen_from(*left, h, row);
       const double reach = std::abs(line.side(clamps_.place(h))),
                    out = line.side(q.head<2>()) * (line.side(clamps_.place(h)) < 0 ? -1 : 1);
-      const double turn = std::atan2(q.z(), out),
-                   slide = (q.head<2>() - clamps_.place(h)).dot(line.direction);
-      if (std::max(std::abs(std::hypot(out, q.z()) - reach), std::abs(slide)) >
-          max_slack(line, turn))
-        return std::nullopt;
+      const double slide = (q.head<2>() - clamps_.place(h)).dot(line.direction);
+      miss = std::max({miss, std::abs(std::hypot(out, q.z()) - reach), std::abs(slide)});
       arm += Vector2d(out, q.z());
     }
-    return side_of(line, other) * std::atan2(arm.y(), arm.x());
+    return Turn{side_of(line, other) * std::atan2(arm.y(), arm.x()), miss};
   }
 
-  /// [m] By how much two clamps may miss each other at the line and still fold the paper there. A
-  /// sheet of length l that bends evenly by the same turn misses it by about l turn/8.
-  double max_slack(const FoldAxis& line, double turn) const {
+  /// [m] By how much the flat paper may miss the line where hands fold it. Between two plates, a
+  /// sheet of length l that bends evenly by the same turn misses it by about l turn/8. A row says
+  /// nothing of the plane that it holds: carried along an arc, it misses the line that fits the end
+  /// of its way by no more than 0.002 l on all of the way.
+  double max_slack(const FoldAxis& line, const Turn& turn) const {
     constexpr double rounding = 1e-4;  // [1] of the longer side
-    return std::min(max_misfit * clamps_.side(),
-                    rounding * clamps_.side() + 0.25 * line.reach * std::abs(turn) / 8);
+    const double bent = line.other->is_plate ? 0.25 * line.reach * std::abs(turn.angle) / 8 : 0;
+    return std::min(max_misfit * clamps_.side(), rounding * clamps_.side() + bent);
   }
 
   /// 1 or -1: the side of the line on which all handles of the clamp are; 0: they are on both.

@@ -632,6 +632,47 @@ TEST(ExpectedCreasesTest, ARowOfHandlesFoldsAgainstAPlateWhereItGoesOnAnArc) {
   EXPECT_TRUE(lines_of(held(a4, {{{{0, 0.15}, {0.21, 0.15}}, still}, {row, turn}})).empty());
 }
 
+/// A part of the paper, from a clamp on its left to the handles at its right border, bent evenly by
+/// this angle.
+Vector3d on_an_arc(double angle, double x, double y) {
+  const double k = angle / 0.15;  // [1/m]
+  return {0.05 + (angle == 0 ? x : std::sin(k * x) / k), y,
+          angle == 0 ? 0 : (1 - std::cos(k * x)) / k};
+}
+
+/// A clamp, and what holds the end of the sheet while it is rolled up.
+Shot rolled_up(double angle, const std::vector<Vector2d>& ends) {
+  Shot shot = held(test::rectangle(0.2, 0.1), {{{{0, 0}, {0, 0.1}, {0.05, 0.05}}, still}});
+  for (const Vector2d& p : ends) {
+    Handle handle = test::bare_handle("end", p, frames);
+    for (int f = 0; f < frames; ++f)
+      handle.keyed.row(f) = on_an_arc(angle * f / (frames - 1.0), p.x() - 0.05, p.y());
+    shot.handles.push_back(handle);
+  }
+  return shot;
+}
+
+TEST(ExpectedCreasesTest, ARowThatRollsTheSheetUpDoesNotFoldIt) {
+  for (const double angle : {110 * degrees, 120 * degrees, 180 * degrees, 270 * degrees})
+    EXPECT_TRUE(lines_of(rolled_up(angle, {{0.2, 0}, {0.2, 0.1}})).empty()) << angle;
+}
+
+TEST(ExpectedCreasesTest, AClampThatIsCarriedOverInALoopDoesNotFoldTheSheet) {
+  // the paper is bowed all the way, and at its end the clamps lie flat on each other
+  const Pattern page = test::rectangle(0.297, 0.210);
+  const std::vector<Vector2d> lying{{0, 0}, {0, 0.21}, {0.015, 0}, {0.015, 0.21}},
+      carried{{0.297, 0}, {0.297, 0.21}, {0.282, 0}, {0.282, 0.21}};
+  const Poses over = [](double s) {
+    const double turn = s * 178 * degrees, radius = 0.1485;
+    const Vector3d at(radius * (1 + std::cos(turn)), 0, 0.8 * radius * std::sin(turn));
+    return Isometry3d(Eigen::Translation3d(at) * Eigen::AngleAxisd(-turn, Vector3d::UnitY()) *
+                      Eigen::Translation3d(-0.297, 0, 0));
+  };
+  EXPECT_TRUE(lines_of(held(page, {{lying, still}, {carried, over}})).empty());
+  const Poses fold = [](double s) { return turned(s * 178 * degrees, {0.1485, 0}, {0, -1}); };
+  EXPECT_EQ(lines_of(held(page, {{lying, still}, {carried, fold}})).size(), 1u);
+}
+
 TEST(ExpectedCreasesTest, ATwistedStripIsNotFolded) {
   const double length = 0.3, width = 0.03;
   const std::vector<Vector2d> left{{0, 0}, {0, width}, {0.02, 0}, {0.02, width}},
@@ -749,6 +790,7 @@ TEST(ExpectedCreasesTest, HandlesThatTakeHoldOfAMovedSheetAreNoClamp) {
   for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h) {
     shot.handles[h].mode = HandleMode::relative;
     shot.handles[h].grab_frame = first_frame + 2;
+    for (const int row : {1, 2}) shot.handles[h].keyed.row(row) = shot.handles[h].keyed.row(0);
   }
   EXPECT_EQ(lines_of(shot).size(), 1u);
   shot.handles[0].keyed(1, 2) += 0.01;
