@@ -152,8 +152,8 @@ class FoldAxisSearch {
     return line;
   }
 
-  /// The turn of a clamp against the plate, in the first half of a turn to either side; none: one of
-  /// them does not hold.
+  /// The turn of a clamp against the plate, in the first half of a turn to either side; none: one
+  /// of them does not hold.
   std::optional<Turn> turn_of(const FoldAxis& line, const Clamp& plate, const Clamp& other,
                               int row) const {
     const std::optional<RigidMotion> left = clamps_.pose(plate, row);

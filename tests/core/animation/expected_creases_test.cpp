@@ -603,6 +603,47 @@ TEST(ExpectedCreasesTest, HandsTurnDownACornerOfADoubledSheet) {
   EXPECT_LT(stretch, 0.01);
 }
 
+TEST(ExpectedCreasesTest, HandsTurnDownBothCornersOfADoubledSheet) {
+  // where the extension of the first line counted as a fold, half of the second one was pressed the
+  // wrong way, and handles were 50 mm behind
+  const double fold_end = 1.0 / 3, middle = 0.105;
+  const auto share = [=](double s, double begin) {
+    return std::clamp((s - begin) / fold_end, 0.0, 1.0);
+  };
+  const auto half = [=](double s) {
+    return turned(share(s, 0) * 179 * degrees, {0, middle}, {1, 0});
+  };
+  std::vector<Plate> plates{{{{0.03, 0.01}, {0.118, 0.01}, {0.09, 0.06}}, still},
+                            {{{0.03, 0.2}, {0.118, 0.2}, {0.09, 0.15}}, half}};
+  for (const double side : {-1.0, 1.0}) {
+    const double x = 0.074 + 0.002 * side;
+    const auto corner = [=](double s) {
+      return Eigen::Translation3d(0, 0, 0.0006) *
+             turned(side * share(s, side < 0 ? fold_end : 2 * fold_end) * 170 * degrees,
+                    {x, middle}, {side, -1}) *
+             Eigen::Translation3d(0, 0, -0.0006);
+    };
+    const auto points = [=](double y) -> std::vector<Vector2d> {
+      return {{x + side * 0.068, middle + y * 0.006},
+              {x + side * 0.068, middle + y * 0.05},
+              {x + side * 0.03, middle + y * 0.006}};
+    };
+    plates.push_back({points(-1), corner});
+    plates.push_back({points(1), [=](double s) { return corner(s) * half(s); }});
+  }
+  Shot shot = held(test::rectangle(0.148, 0.210), plates);
+  add_expected_creases(shot, lines_of(shot));
+  AnimateOptions options;
+  options.last_frame = frames;
+  double off = 0;
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            for (const HandleFrame& h : frame.handles) off = std::max(off, h.error());
+            return true;
+          });
+  EXPECT_LT(off, 1e-3);
+}
+
 TEST(ExpectedCreasesTest, ATurnOfLessThanSixtyDegreesIsNoFold) {
   EXPECT_TRUE(lines_of(held(page, corner(59 * degrees))).empty());
   EXPECT_EQ(lines_of(held(page, corner(61 * degrees))).size(), 1u);
