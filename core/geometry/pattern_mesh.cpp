@@ -99,6 +99,18 @@ Pattern coarse_border(const Pattern& pattern, double edge, double border, double
   return cut_off ? coarsened(ends) : polygons;
 }
 
+/// The corner of the border polygons that is within `near` of p [m]; none: no corner is.
+std::optional<Vector2d> corner_beside(const Pattern& polygons, const Vector2d& p, double near) {
+  std::optional<Vector2d> found;
+  const auto look_at = [&](const std::vector<Vector2d>& polygon) {
+    for (const Vector2d& corner : polygon)
+      if ((corner - p).norm() <= near) found = corner, near = (corner - p).norm();
+  };
+  look_at(polygons.outline);
+  for (const auto& hole : polygons.holes) look_at(hole);
+  return found;
+}
+
 /// Divides one border polygon into parts of about `edge` [m]; required points that lie on it become
 /// vertices.
 void sample_border(const std::vector<Vector2d>& polygon, double edge,
@@ -268,7 +280,7 @@ std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
   Cloud cloud;
   cloud.polygons = coarse_border(pattern, edge, border, snap);
   // a coarsened border misses the required points on it, or cuts off those close to it: move them
-  // onto the polygon
+  // onto the polygon; beside one of its corners, to the corner, or there would be a tiny edge
   std::vector<Vector2d> required = points;
   const std::vector<Vector2d> stops = crease_points(pattern.prescribed_creases);
   required.insert(required.end(), stops.begin(), stops.end());
@@ -277,6 +289,7 @@ std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
     const bool beside =
         (nearest_border_point(pattern, p) - p).norm() <= snap || !contains(cloud.polygons, p);
     if (beside && (onto - p).norm() <= 0.03 * edge) p = onto;
+    p = corner_beside(cloud.polygons, p, 0.01 * edge).value_or(p);
   }
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
