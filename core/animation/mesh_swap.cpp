@@ -15,12 +15,18 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
   constexpr double too_stiff = -0.005, max_move_then = 0.025;
   // [1/rad2] share of the energy that a mesh of such flat triangles does not represent
   constexpr double unseen = 0.5;
-  constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
+  constexpr double noise = 1e-6;    // [J] for a sheet that is nearly flat
+  constexpr double instant = 0.01;  // [s]
   Sheet& proposal = proposed.sheet;
-  const Points3 carried = proposal.x;
+  const Points3 carried = proposal.x, velocities = proposal.v;
   Elastic trial = elastic.on_mesh(proposal, proposed.stiffening);
+  if (trial.inertia() == Inertia::dynamic) {
+    proposal.v.setZero();
+    dt = instant;
+  }
   const ElasticReport settled = trial.relax(proposal, input, dt, Relaxation::coarse),
                       stored = elastic.evaluate_energies(sheet);
+  proposal.v = velocities;
 
   const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern),
       back(proposal.pattern, proposal.triangles, sheet.pattern);

@@ -33,6 +33,10 @@ struct MeshSwapResult {
 ///   potential may then also rise by another share of the stored energy: half of what the mean
 ///   square of the dihedral angles falls [rad2].
 ///
+/// A sheet with inertia relaxes for a hundredth of a second, from rest: within it the edges and the
+/// bends between triangles of a coarse mesh relax, while the sheet itself, which bends more slowly
+/// and falls by half a millimetre, hardly moves. Its velocities stay.
+///
 /// With an accepted proposal comes a solver that has taken over the state of the old one. Nothing
 /// yields. A rejected proposal leaves no trace.
 ///

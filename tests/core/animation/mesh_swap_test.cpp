@@ -84,6 +84,20 @@ TEST(MeshSwapTest, AMeshOfStripsIsAcceptedAndTheNextStepIsAsFast) {
               0.01 * other.sheet.x.col(2).maxCoeff());
 }
 
+TEST(MeshSwapTest, TheMotionOfASheetWithInertiaDoesNotCount) {
+  // within a frame it flies farther than any swap may move it
+  Bent bent;
+  std::vector<int> borders;
+  bent.elastic.set_inertia(Inertia::dynamic);
+  bent.sheet.v.rowwise() = Eigen::RowVector3d(0.5, 0, -3);
+  Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 20), borders);
+  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, {proposal, {}},
+                                               Bent::targets(proposal, borders, 0.008), dt);
+  ASSERT_TRUE(verdict.accepted) << verdict.rise << " " << verdict.move;
+  EXPECT_LT(verdict.move, 0.01);
+  EXPECT_TRUE(bent.sheet.v.isApprox(proposal.v));
+}
+
 TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
