@@ -70,7 +70,7 @@ TEST(SceneAttributes, OfGltfAreReadWithTheNumbersOfTheirType) {
   test::GltfFixture fixture;
   fixture.attribute("COLOR_0", 5126, 4, ramp<float>(4, 0.1, 0.02));
   fixture.attribute("COLOR_1", 5121, 3, ramp<std::uint8_t>(3, 9, 5), normalized);
-  fixture.attribute("COLOR_2", 5123, 4, ramp<std::uint16_t>(4, 100, 1000), normalized);
+  fixture.attribute("COLOR_2", 5123, 4, ramp<std::uint16_t>(4, 100, 1000));
   fixture.attribute("_WEAR", 5126, 1, ramp<float>(1, -40, 12.5));
   fixture.attribute("_PAIR", 5123, 2, ramp<std::uint16_t>(2, 7, 300));
   fixture.attribute("_SHARE", 5121, 3, ramp<std::uint8_t>(3, 0, 2), normalized);
