@@ -24,7 +24,9 @@ static void archive(Serializer& a, Judgement& j) {
 
 static void archive(Serializer& a, CacheLayer& layer) { a(layer.name, layer.values); }
 
-static void archive(Serializer& a, MeshSurface::UvSet& set) { a(set.name, set.uv, set.of_corner); }
+static void archive(Serializer& a, MeshSurface::Attribute& attribute) {
+  a(attribute.name, attribute.kind, attribute.values, attribute.of_corner);
+}
 
 /// A custom property of an object; one of the three last has its value.
 struct KeptProperty {
@@ -71,7 +73,7 @@ void archive_surface(Serializer& a, std::shared_ptr<const MeshSurface>& surface)
   MeshSurface copy = surface ? *surface : MeshSurface{};
   std::vector<KeptProperty> properties;
   for (const auto& property : copy.properties) properties.push_back(kept(property));
-  a(copy.uv_sets, copy.materials, copy.material_of, properties);
+  a(copy.attributes, copy.materials, copy.material_of, properties);
   if (!a.reads()) return;
   for (const KeptProperty& p : properties)
     if (p.kind == 0)

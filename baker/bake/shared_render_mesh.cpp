@@ -70,11 +70,13 @@ std::vector<RenderSurface> make_render_surfaces(const std::vector<RenderInput>& 
   const StageClock::Part part(options.clock, Stage::render_mesh);
   constexpr int max_rounds = 4;
   TrianglesOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
-  std::vector<std::vector<CreaseSegment>> seam_lines(inputs.size());
+  std::vector<std::vector<CreaseSegment>> seam_lines(inputs.size()), jump_lines(inputs.size());
   for (std::size_t s = 0; s < inputs.size(); ++s)
     if (const auto& authored = inputs[s].shot->authored;
-        authored && options.features == MeshFeatures::all)
+        authored && options.features == MeshFeatures::all) {
       for (const auto& [a, b] : seams(*authored)) seam_lines[s].push_back({a, b});
+      for (const auto& [a, b] : jumps(*authored)) jump_lines[s].push_back({a, b});
+    }
   for (int round = 0;; ++round) {
     std::vector<RenderSurface> sheets;
     for (std::size_t s = 0; s < inputs.size(); ++s) {
@@ -87,6 +89,7 @@ std::vector<RenderSurface> make_render_surfaces(const std::vector<RenderInput>& 
         features.edges = inputs[s].record->edges(exact[s]);
       }
       features.seams = seam_lines[s];
+      features.jumps = jump_lines[s];
       sheets.push_back(
           make_render_surface(shot.pattern, features, inputs[s].record->edge(), options.quality));
     }

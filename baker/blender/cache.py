@@ -1,6 +1,6 @@
 """Brings a baked cache back: one object a sheet in the collection "Paper", and the sheet itself out of sight.
 
-It wears what the sheet wears: its uv maps and materials, face by face. The uv map `pattern` is that of the crease maps."""
+It wears what the sheet wears: its uv maps and materials, face by face, its vertex groups, colours and attributes. The uv map `pattern` is that of the crease maps."""
 
 import collections
 import contextlib
@@ -11,7 +11,7 @@ import shutil
 
 import bpy
 
-from . import crease_map, material, names
+from . import attributes, crease_map, material, names
 from .program import Unusable
 
 COLLECTION = "Paper"
@@ -191,6 +191,23 @@ def picture_of(folder, stem, sheet, several):
     return crease_map.crease_picture(final, os.fspath(maps / f"{name}.blender.exr")) if final.exists() else None
 
 
+def bring_attributes(scene, loaded, path):
+    """Puts vertex groups, colours and attributes of the sheets onto the paper. Returns sentences about what does not come back.
+
+    loaded  {sheet's name: paper}
+    path    of the USD layer
+    """
+    sheets = {name: sheet for name, sheet in ((name, scene.objects.get(name)) for name in loaded) if sheet and sheet.type == "MESH" and attributes.carried(sheet)}
+    if not sheets:
+        return []
+    try:
+        with attributes.layer(scene, path) as meshes:
+            missing = {name: attributes.dress(loaded[name], sheet, meshes.get(names.in_usd(name))) for name, sheet in sheets.items()}
+    except RuntimeError as error:
+        return [f"The paper has no vertex groups, colours and attributes of its sheet: Blender does not read {path}: {str(error).strip()}"]
+    return [f"{name}: {', '.join(lost)} did not come back from {path}." for name, lost in missing.items() if lost]
+
+
 def load(scene, folder, stem, summary):
     """The sheets of DIR/NAME.abc as objects of the scene; those of an earlier bake go on. Throws Unusable.
 
@@ -198,7 +215,7 @@ def load(scene, folder, stem, summary):
     returns  the objects, and sentences about what is less than it should be
     """
     abc = pathlib.Path(folder) / f"{stem}.abc"
-    found, loaded, remarks = imported(scene, abc), [], []
+    found, loaded, remarks = imported(scene, abc), {}, []
     for told in summary["sheets"]:
         name, picture = told["name"], None
         if names.in_cache(name) not in found:
@@ -211,5 +228,6 @@ def load(scene, folder, stem, summary):
         thing = placed(scene, found[names.in_cache(name)], cached)
         dress(scene, thing, cached)
         hide_sheet(scene, name)
-        loaded.append(thing)
-    return loaded, remarks
+        loaded[name] = thing
+    remarks += bring_attributes(scene, loaded, abc.with_suffix(".usdc"))
+    return list(loaded.values()), remarks

@@ -8,12 +8,13 @@ import time
 
 import bpy
 
-from . import cache, messages, program, scene_export
+from . import attributes, cache, messages, names, program, scene_export
 
 EXPORT, BAKE, LOAD, DONE = range(4)
 DRAFT = "draft"  # folder of drafts, in that of the bakes
 DRAFT_WORDS = ["--quality", "draft", "--method", "hybrid", "--attempts", "1", "--formats", "abc,cert"]  # given last, they count
 DRAFT_TOLD = "A draft makes one attempt. Bake tries others where a handle is off by more than 1 mm, and may come out otherwise."
+CHANGING_MESH = "With --mesh simulation, vertex groups, colours and attributes of the sheets are right in the first frame alone."
 OWN_WORDS = {"-o", "--output", "--name", "--formats", "--progress", "--write-job", "--dry-run"}  # without which nothing would be loaded
 
 
@@ -47,6 +48,13 @@ def options(scene, settings):
     if abs(scene.unit_settings.scale_length - 1) > 1e-9:
         words += ["--unit-scale", f"{scene.unit_settings.scale_length:.9g}"]
     return words
+
+
+def formats(scene, is_draft):
+    """Words of the command line: USD is for what Blender does not read of Alembic."""
+    if not any(attributes.carried(sheet) for sheet in names.of_role(scene, names.SHEET)):
+        return []
+    return ["--formats", "abc,cert,usdc" if is_draft else "abc,maps,cert,report,usdc"]
 
 
 def further(text):
@@ -126,12 +134,16 @@ class BakeJob:
         if self._is_draft:  # beside the bake, which stays
             self._folder = self._folder / DRAFT
             words += DRAFT_WORDS
+        for_attributes = formats(scene, self._is_draft)
+        words += for_attributes
         os.makedirs(self._folder, exist_ok=True)
         path = self._folder / f"{self._stem}.glb"
         last = max(scene.frame_end, self._settings.last) if self._settings.own_frames else scene.frame_end
         scene_export.write(scene, os.fspath(path), last)
         self._before = stamp(self._cache()), stamp(self._certificate())
         self._remarks = scene_export.remarks(scene)
+        if for_attributes and "simulation" in words:
+            self._remarks.append(CHANGING_MESH)
         self._process = program.Process([found, "bake", os.fspath(path), "-o", os.fspath(self._folder), "--progress", "json", *words])
         self._state = BAKE
 

@@ -69,6 +69,12 @@ def meant_as(thing):
     return next((kind for kind in (SHEET, CREASE) if begins_with(thing.name, kind)), None)
 
 
+def in_usd(name):
+    """As formats/cache/usd_cache.cpp writes a name, but for those that would become the same."""
+    legal = re.sub(r"[^0-9A-Za-z_]", "_", name)
+    return f"_{legal}" if not legal or legal[0].isdigit() else legal
+
+
 def of_role(scene, wanted):
     return [thing for thing in scene.objects if role(thing) == wanted]
 

@@ -7,14 +7,12 @@ import struct
 
 import bpy
 
-from . import marking, names
+from . import attributes, marking, names
 from .program import Unusable
 
 TEMPORARY = "paperbake export"
 DEFORMING = {"CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "NODES", "SHRINKWRAP", "SIMPLE_DEFORM",
              "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE"}  # modifiers that may change a shape from frame to frame
-BLENDERS_OWN = {"position", "sharp_face", "sharp_edge", "material_index", "crease_edge", "crease_vert", "bevel_weight_edge", "bevel_weight_vert",
-                "custom_normal", "freestyle_edge", "freestyle_face", "uv_seam", "id"}  # attributes that Blender makes, or that are read otherwise
 
 
 def has_marked_bones(thing):
@@ -83,12 +81,7 @@ def left_out(thing):
 
 def not_returned(sheet):
     """A sentence about what the artist has put on the vertices of a sheet, which does not come back; empty where there is nothing."""
-    groups, mesh = [group.name for group in sheet.vertex_groups], sheet.data
-    colours = [colour.name for colour in mesh.color_attributes]
-    others = [attribute.name for attribute in mesh.attributes
-              if not (attribute.name in (*BLENDERS_OWN, *colours) or attribute.is_internal or attribute.name.startswith(".")
-                      or attribute.name in mesh.uv_layers or attribute.name in groups)]
-    kinds = [f"{kind} {', '.join(found)}" for kind, found in (("vertex groups", groups), ("colours", colours), ("attributes", others)) if found]
+    kinds = [f"{kind} {', '.join(found)}" for kind, found in attributes.not_carried(sheet).items() if found]
     return f"{sheet.name}: the baked paper has other vertices and does not get its {'; '.join(kinds)}. Use a UV map or a texture." if kinds else ""
 
 
@@ -190,11 +183,15 @@ def edge_creases(scene):
 
 @contextlib.contextmanager
 def all_told(scene, fps):
-    """On every sheet the names of its uv maps, and on the first the frame rate, and the gravity where there is any: a scene without handles
-    has to say what moves its sheets."""
+    """On every sheet the names of its uv maps and attributes, with these, and on the first the frame rate, and the gravity where there is any:
+    a scene without handles has to say what moves its sheets."""
     sheets = names.of_role(scene, names.SHEET)
     with contextlib.ExitStack() as stack:
+        named = {}  # sheets may share a mesh
         for sheet in sheets:
+            if sheet.data not in named:
+                named[sheet.data] = stack.enter_context(attributes.sent(sheet.data, sheet))
+            stack.enter_context(told(sheet, **named[sheet.data]))
             stack.enter_context(told(sheet, paper_uv_sets="\n".join(layer.name for layer in sheet.data.uv_layers)))
         gravity = {"paper_gravity": scene.paperbake.gravity} if scene.paperbake.gravity else {}
         stack.enter_context(told(sheets[0], paper_fps=fps, **gravity))
@@ -228,6 +225,7 @@ def write(scene, path, last):
                 filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True, use_mesh_edges=True,
                 export_current_frame=True,  # the sheet as it is at the first frame
                 export_apply=not has_shapes(scene), export_normals=False, export_materials="EXPORT", export_image_format="NONE",
+                export_attributes=True, export_vertex_color="NONE",  # colours are attributes there, with all their bits
                 export_morph=True, export_morph_normal=False, export_skins=True, export_def_bones=False,
                 export_animations=True, export_animation_mode="SCENE", export_anim_scene_split_object=False, export_force_sampling=True,
                 export_frame_range=True, export_frame_step=1, export_anim_slide_to_zero=False, export_optimize_animation_size=False,

@@ -52,8 +52,11 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
 std::string authored_bytes(const Shot& shot) {
   std::string bytes;
   if (!shot.authored) return bytes;
-  for (const AuthoredSurface::UvSet& set : shot.authored->uv_sets)
-    append_bytes(bytes += fmt::format("uv/{}/", set.name), set.uv);
+  for (const AuthoredAttribute& a : shot.authored->attributes)
+    append_bytes(bytes += a.kind == AttributeKind::uv
+                              ? fmt::format("uv/{}/", a.name)
+                              : fmt::format("{}/{}/{}/", int(a.kind), a.values.cols(), a.name),
+                 a.values);
   for (const std::string& material : shot.authored->materials) bytes += "material/" + material;
   for (const int material : shot.authored->material_of) bytes += fmt::format("/{}", material);
   for (const auto& [key, value] : shot.authored->properties) {

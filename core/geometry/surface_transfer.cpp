@@ -11,11 +11,12 @@
 namespace paperbake {
 namespace {
 
-// of the largest uv: corners that differ by less are one
-constexpr double same_uv = 1e-6;
-
-double tolerance_of(const Points2& uv) {
-  return same_uv * std::max(1.0, uv.size() > 0 ? uv.cwiseAbs().maxCoeff() : 0.0);
+/// How far apart the values of two corners may be that are one. Uv sets are of the order of 1; the
+/// others may be in any unit.
+double tolerance_of(const AuthoredAttribute& attribute) {
+  constexpr double same = 1e-6;  // of the largest: 32-bit floats, with what interpolation adds
+  const double largest = attribute.values.size() > 0 ? attribute.values.cwiseAbs().maxCoeff() : 0.0;
+  return same * (attribute.kind == AttributeKind::uv ? std::max(1.0, largest) : largest);
 }
 
 /// The two triangles beside an inner edge, and which of their corners are its ends.
@@ -36,12 +37,14 @@ std::vector<Beside> inner_edges(const Triangles& triangles) {
   return found;
 }
 
-/// Whether a uv set has one value on both sides of an edge.
-bool agrees(const AuthoredSurface::UvSet& set, const Beside& e) {
-  const double near = tolerance_of(set.uv);
+/// Whether an attribute has one value on both sides of an edge.
+/// near  its tolerance
+bool agrees(const AuthoredAttribute& attribute, double near, const Beside& e) {
+  const auto at = [&](int side, int corner) {
+    return attribute.values.row(3 * e.triangle[side] + corner);
+  };
   const auto same = [&](const int(&corner)[2]) {
-    return (set.uv.row(3 * e.triangle[0] + corner[0]) - set.uv.row(3 * e.triangle[1] + corner[1]))
-               .norm() <= near;
+    return (at(0, corner[0]) - at(1, corner[1])).norm() <= near;
   };
   return same(e.at_a) && same(e.at_b);
 }
@@ -86,30 +89,34 @@ CornerPlaces places_on(const AuthoredSurface& authored, const Points2& pattern,
   return places;
 }
 
-MeshSurface::UvSet on_corners(const AuthoredSurface::UvSet& set, const CornerPlaces& places,
-                              const Triangles& triangles) {
-  const double near = tolerance_of(set.uv);
-  MeshSurface::UvSet found{set.name, Points2(), Triangles(triangles.rows(), 3)};
-  std::vector<Vector2d> values;
+MeshSurface::Attribute on_corners(const AuthoredAttribute& attribute, const CornerPlaces& places,
+                                  const Triangles& triangles) {
+  using Value = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 4>;
+  const double near = tolerance_of(attribute);
+  MeshSurface::Attribute found{attribute.name, attribute.kind, {}, Triangles(triangles.rows(), 3)};
+  std::vector<Value> values;
   std::map<int, std::vector<int>> of_vertex;  // rows of values
   for (int t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
       const MeshPoint& place = places.corners[3 * static_cast<std::size_t>(t) + k];
-      const Vector2d uv = set.uv.middleRows<3>(3 * place.triangle).transpose() * place.weights;
+      const auto at = [&](int corner) {
+        return place.weights[corner] * attribute.values.row(3 * place.triangle + corner);
+      };
+      const Value value = at(0) + at(1) + at(2);
       std::vector<int>& known = of_vertex[triangles(t, k)];
       const auto same = std::find_if(known.begin(), known.end(),
-                                     [&](int row) { return (values[row] - uv).norm() <= near; });
+                                     [&](int row) { return (values[row] - value).norm() <= near; });
       if (same == known.end()) {
         known.push_back(static_cast<int>(values.size()));
-        values.push_back(uv);
+        values.push_back(value);
         found.of_corner(t, k) = known.back();
       } else {
         found.of_corner(t, k) = *same;
       }
     }
-  found.uv.resize(static_cast<Eigen::Index>(values.size()), 2);
+  found.values.resize(static_cast<Eigen::Index>(values.size()), attribute.values.cols());
   for (std::size_t i = 0; i < values.size(); ++i)
-    found.uv.row(static_cast<Eigen::Index>(i)) = values[i];
+    found.values.row(static_cast<Eigen::Index>(i)) = values[i];
   return found;
 }
 
@@ -137,18 +144,28 @@ std::vector<std::pair<int, int>> joined(std::vector<std::pair<int, int>> segment
   return segments;
 }
 
-}  // namespace
+/// What has two values along an edge.
+struct Jumps {
+  bool uv_or_material = false, other = false;
+};
 
-std::vector<std::pair<Vector2d, Vector2d>> seams(const AuthoredSurface& authored) {
+/// The lines of edges whose jumps are as wanted, as their ends on the pattern.
+template <class Wanted>
+std::vector<std::pair<Vector2d, Vector2d>> lines_of(const AuthoredSurface& authored,
+                                                    const Wanted& wanted) {
+  std::vector<double> near;
+  for (const AuthoredAttribute& attribute : authored.attributes)
+    near.push_back(tolerance_of(attribute));
   std::vector<std::pair<int, int>> edges;
   for (const Beside& e : inner_edges(authored.triangles)) {
-    const bool one_material =
-        authored.material_of.empty() ||
-        authored.material_of[e.triangle[0]] == authored.material_of[e.triangle[1]];
-    if (one_material &&
-        std::all_of(authored.uv_sets.begin(), authored.uv_sets.end(),
-                    [&](const AuthoredSurface::UvSet& set) { return agrees(set, e); }))
-      continue;
+    Jumps jumps;
+    jumps.uv_or_material = !authored.material_of.empty() && authored.material_of[e.triangle[0]] !=
+                                                                authored.material_of[e.triangle[1]];
+    for (std::size_t i = 0; i < near.size(); ++i)
+      if (!agrees(authored.attributes[i], near[i], e))
+        (authored.attributes[i].kind == AttributeKind::uv ? jumps.uv_or_material : jumps.other) =
+            true;
+    if (!wanted(jumps)) continue;
     edges.emplace_back(authored.triangles(e.triangle[0], e.at_a[0]),
                        authored.triangles(e.triangle[0], e.at_b[0]));
   }
@@ -158,15 +175,26 @@ std::vector<std::pair<Vector2d, Vector2d>> seams(const AuthoredSurface& authored
   return found;
 }
 
+}  // namespace
+
+std::vector<std::pair<Vector2d, Vector2d>> seams(const AuthoredSurface& authored) {
+  return lines_of(authored, [](const Jumps& jumps) { return jumps.uv_or_material; });
+}
+
+std::vector<std::pair<Vector2d, Vector2d>> jumps(const AuthoredSurface& authored) {
+  return lines_of(authored,
+                  [](const Jumps& jumps) { return jumps.other && !jumps.uv_or_material; });
+}
+
 MeshSurface surface_on(const AuthoredSurface& authored, const Points2& pattern,
                        const Triangles& triangles) {
   MeshSurface found;
   found.materials = authored.materials;
   found.properties = authored.properties;
-  if (authored.uv_sets.empty() && authored.material_of.empty()) return found;
+  if (authored.attributes.empty() && authored.material_of.empty()) return found;
   const CornerPlaces places = places_on(authored, pattern, triangles);
-  for (const AuthoredSurface::UvSet& set : authored.uv_sets)
-    found.uv_sets.push_back(on_corners(set, places, triangles));
+  for (const AuthoredAttribute& attribute : authored.attributes)
+    found.attributes.push_back(on_corners(attribute, places, triangles));
   if (!authored.material_of.empty())
     for (const int triangle : places.centres)
       found.material_of.push_back(authored.material_of[triangle]);

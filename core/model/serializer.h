@@ -84,9 +84,16 @@ class Serializer {
   }
   template <class Scalar, int Rows, int Columns, int Options, int MostRows, int MostColumns>
   void field(Eigen::Matrix<Scalar, Rows, Columns, Options, MostRows, MostColumns>& m) {
-    static_assert(Columns != Eigen::Dynamic);
+    Eigen::Index columns = Columns;
+    if constexpr (Columns == Eigen::Dynamic) {
+      static_assert(MostColumns != Eigen::Dynamic);
+      auto some = static_cast<std::uint8_t>(m.cols());
+      raw(&some, sizeof some);
+      require(some > 0 && some <= MostColumns);
+      columns = some;
+    }
     if constexpr (Rows == Eigen::Dynamic)
-      m.resize(count(m.rows(), sizeof(Scalar) * Columns), Columns);
+      m.resize(count(m.rows(), sizeof(Scalar) * columns), columns);
     raw(m.data(), sizeof(Scalar) * m.size());
   }
   template <class T>

@@ -177,14 +177,20 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
   return result;
 }
 
-/// The mesh along simulated edges and seams where there is one, else the one along rows.
+std::vector<CreaseSegment> seams_and_jumps(const RenderFeatures& features) {
+  std::vector<CreaseSegment> lines = features.seams;
+  lines.insert(lines.end(), features.jumps.begin(), features.jumps.end());
+  return lines;
+}
+
+/// The mesh along simulated edges, seams and jumps where there is one, else the one along rows.
 RenderMesh mesh_with_features(const Pattern& pattern, double edge, const RenderFeatures& features) {
-  if (!features.seams.empty()) {
-    RenderFeatures with_seams = features, without = features;
-    without.seams.clear();
-    with_seams.edges.insert(with_seams.edges.end(), features.seams.begin(), features.seams.end());
-    if (has_room(pattern, edge, with_seams.edges))
-      if (auto mesh = mesh_along_edges(pattern, edge, with_seams)) {
+  if (const std::vector<CreaseSegment> lines = seams_and_jumps(features); !lines.empty()) {
+    RenderFeatures with_lines = features, without = features;
+    (features.jumps.empty() ? without.seams : without.jumps).clear();
+    with_lines.edges.insert(with_lines.edges.end(), lines.begin(), lines.end());
+    if (has_room(pattern, edge, with_lines.edges))
+      if (auto mesh = mesh_along_edges(pattern, edge, with_lines)) {
         if (features.edges.empty()) mesh->simulated_edges = SimulatedEdges::none;
         return std::move(*mesh);
       }
@@ -228,7 +234,7 @@ void merge_beside_crossings(RenderMesh& mesh, const std::vector<CreaseSegment>& 
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
   RenderMesh mesh = mesh_with_features(pattern, edge, features);
-  merge_beside_crossings(mesh, features.seams, edge);
+  merge_beside_crossings(mesh, seams_and_jumps(features), edge);
   return mesh;
 }
 

@@ -25,6 +25,8 @@ struct RenderFeatures {
   std::vector<CreaseSegment> edges = {};
   // where uv sets or materials of the sheet jump: rows of edges as well, where there is room
   std::vector<CreaseSegment> seams = {};
+  // where other attributes jump: the same, and the first that are left out
+  std::vector<CreaseSegment> jumps = {};
 };
 
 /// What became of the simulated edges that a render mesh was to have.

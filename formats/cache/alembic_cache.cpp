@@ -127,8 +127,8 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   refuse_unless_finite(frame.normal, "normal", place);
   refuse_unless_finite(frame.uv, "uv", place);
   if (frame.surface)
-    for (const MeshSurface::UvSet& set : frame.surface->uv_sets)
-      refuse_unless_finite(set.uv, "uv", place);
+    for (const MeshSurface::Attribute& attribute : frame.surface->attributes)
+      refuse_unless_finite(attribute.values, attribute.name.c_str(), place);
   refuse_unless_finite(frame.crease, "crease", place);
 
   const std::uint64_t begin = impl_->archive.file.end();

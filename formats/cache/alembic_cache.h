@@ -62,8 +62,8 @@ struct CacheFrame {
   // |V|x2 v up, or empty: where the vertices lie on the pattern, in shares of its longer side;
   // stored once while it does not change
   Points2 uv;
-  // uv sets and materials of the artist, or null; their number and names never change, and frames
-  // with the same pointer have the same
+  // attributes and materials of the artist, or null; their number and names never change, and
+  // frames with the same pointer have the same
   std::shared_ptr<const MeshSurface> surface;
   std::optional<CacheGuides> guides;  // all frames have them, or none
   std::optional<CacheProxy> proxy;    // the same; written to USD in separate layers only
@@ -73,10 +73,11 @@ struct CacheFrame {
 /// file is NAME.part until finish() gives it its name; without finish() the destructor deletes it.
 ///
 /// The first uv set of the artist is `uv`, the others are named parameters. The pattern is a named
-/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set. Guides
-/// are Points `NAME_points` and linear Curves `NAME_folds`, each below an Xform beside that of the
-/// sheet, with the parameters `point_id` or `fold_id`, `birth` and, at the points of a curve,
-/// `angle`.
+/// parameter `pattern`, and `uv` where the artist has none. Other attributes are parameters of the
+/// corners: colours as C3f or C4f, numbers as float or V3f; two or four of them as lists of floats,
+/// because a V2f would be taken for a uv set. Every material is a face set. Guides are Points
+/// `NAME_points` and linear Curves `NAME_folds`, each below an Xform beside that of the sheet, with
+/// the parameters `point_id` or `fold_id`, `birth` and, at the points of a curve, `angle`.
 ///
 /// Sample i has the time (first_frame + i frame_step) / fps in seconds. Numbers are stored as
 /// 32-bit floats. The same calls write the same bytes. A value that has been stored before, for

@@ -12,6 +12,7 @@ constexpr const char* mesh_schema = "AbcGeom_PolyMesh_v1";
 constexpr const char* face_set_schema = "AbcGeom_FaceSet_v1";
 
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // ---- from a frame to samples
 
@@ -26,12 +27,29 @@ Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::Ve
 /// The corners in reverse order: seen from its front, an Alembic face is clockwise.
 Triangles clockwise(const Triangles& triangles) { return triangles.rowwise().reverse(); }
 
-/// Stores the uv sets and materials of the artist.
+/// Whether an attribute is written as a list of numbers for each corner: AbcGeom has no other type
+/// for pairs that are no uv set, and for four numbers that are no colour.
+bool is_list(const MeshSurface::Attribute& attribute) {
+  const Eigen::Index width = attribute.values.cols();
+  return attribute.kind == AttributeKind::number && (width == 2 || width == 4);
+}
+
+/// The values of all corners, clockwise.
+FloatRows of_corners(const FloatRows& values, const Triangles& of_corner) {
+  FloatRows all(of_corner.size(), values.cols());
+  for (Eigen::Index i = 0; i < of_corner.size(); ++i) all.row(i) = values.row(of_corner.data()[i]);
+  return all;
+}
+
+/// Stores the attributes and materials of the artist.
 void store_surface(Archive& archive, const MeshSurface& surface, MeshFrame& samples) {
-  for (const MeshSurface::UvSet& set : surface.uv_sets) {
-    const Floats2 uv = (set.uv.cast<float>().array() + 0.0f).matrix();
-    samples.uv_sets.push_back(
-        {store(archive, raw(uv)), store(archive, raw(clockwise(set.of_corner)))});
+  for (const MeshSurface::Attribute& attribute : surface.attributes) {
+    const FloatRows values = (attribute.values.cast<float>().array() + 0.0f).matrix();
+    const Triangles of_corner = clockwise(attribute.of_corner);
+    if (is_list(attribute))
+      samples.attributes.push_back({store(archive, raw(of_corners(values, of_corner))), {}});
+    else
+      samples.attributes.push_back({store(archive, raw(values)), store(archive, raw(of_corner))});
   }
   for (std::size_t m = 0; m < surface.materials.size(); ++m)
     samples.face_sets.push_back(store(archive, raw(faces_of(surface, m))));
@@ -62,7 +80,7 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame, const Mesh& mes
   // already
   samples.pattern_indices = uv.rows() == 0 ? samples.pattern : samples.indices;
   if (!mesh.frames.empty() && mesh.surface == frame.surface) {
-    samples.uv_sets = mesh.frames.back().uv_sets;
+    samples.attributes = mesh.frames.back().attributes;
     samples.face_sets = mesh.frames.back().face_sets;
   } else if (frame.surface) {
     store_surface(archive, *frame.surface, samples);
@@ -94,38 +112,55 @@ std::string legal(std::string text) {
   return text.empty() ? "_" : text.substr(0, longest);
 }
 
-/// A uv set: values, and for each corner the index of its value.
+/// Values, and for each corner the index of its value.
+Property indexed(const std::string& name, const std::string& metadata, std::uint32_t extent,
+                 std::vector<Sample> values, std::vector<Sample> indices) {
+  return compound(
+      name, metadata,
+      {animated(".vals", metadata, PropertyType::array, Pod::f32, extent, std::move(values)),
+       animated(".indices", "", PropertyType::array, Pod::u32, 1, std::move(indices))});
+}
+
 Property uv_property(const std::string& name, const std::string& source, std::vector<Sample> values,
                      std::vector<Sample> indices) {
   const std::string metadata =
       parameter_metadata("fvr", "vector", 2) + ";sourceName=" + legal(source);
-  return compound(name, metadata,
-                  {animated(".vals", metadata, PropertyType::array, Pod::f32, 2, std::move(values)),
-                   animated(".indices", "", PropertyType::array, Pod::u32, 1, std::move(indices))});
+  return indexed(name, metadata, 2, std::move(values), std::move(indices));
 }
 
-/// uv set n of the artist.
-Property authored_uv(const Mesh& mesh, std::size_t n, const std::string& property) {
+/// Attribute n of the artist.
+Property authored(const Mesh& mesh, std::size_t n, const std::string& property) {
+  const MeshSurface::Attribute& attribute = mesh.surface->attributes[n];
+  const auto width = static_cast<int>(attribute.values.cols());
   std::vector<Sample> values, indices;
   for (const MeshFrame& frame : mesh.frames) {
-    values.push_back(frame.uv_sets[n][0]);
-    indices.push_back(frame.uv_sets[n][1]);
+    values.push_back(frame.attributes[n][0]);
+    indices.push_back(frame.attributes[n][1]);
   }
-  return uv_property(property, mesh.surface->uv_sets[n].name, std::move(values),
-                     std::move(indices));
+  if (attribute.kind == AttributeKind::uv)
+    return uv_property(property, attribute.name, std::move(values), std::move(indices));
+  if (is_list(attribute))
+    return animated(property, parameter_metadata("fvr", "", 1, "float32_t", width),
+                    PropertyType::array, Pod::f32, 1, std::move(values));
+  const bool colour = attribute.kind == AttributeKind::colour;
+  const char* means = width == 1 ? "" : !colour ? "vector" : width == 3 ? "rgb" : "rgba";
+  return indexed(property, parameter_metadata("fvr", means, width),
+                 static_cast<std::uint32_t>(width), std::move(values), std::move(indices));
 }
 
-/// Adds the uv sets: the artist's first one as `uv`, and the others and the pattern to `named`.
-void add_uv_sets(const Mesh& mesh, std::vector<Property>& members, std::vector<Property>& named) {
-  const std::size_t sets = mesh.surface ? mesh.surface->uv_sets.size() : 0;
-  if (sets > 0) members.push_back(authored_uv(mesh, 0, "uv"));
+/// Adds the attributes: the artist's first uv set as `uv`, and the others and the pattern to
+/// `named`.
+void add_attributes(const Mesh& mesh, std::vector<Property>& members,
+                    std::vector<Property>& named) {
+  const bool uv = mesh.surface && has_uv(mesh.surface->attributes);
+  if (uv) members.push_back(authored(mesh, 0, "uv"));
   OwnNames own({"crease", "pattern"});
-  for (std::size_t n = 1; n < sets; ++n)
-    named.push_back(authored_uv(mesh, n, own(legal(mesh.surface->uv_sets[n].name))));
+  for (std::size_t n = uv; mesh.surface && n < mesh.surface->attributes.size(); ++n)
+    named.push_back(authored(mesh, n, own(legal(mesh.surface->attributes[n].name))));
   if (!ever_given(mesh.frames, &MeshFrame::pattern)) return;
   const std::vector<Sample> values = column(mesh.frames, &MeshFrame::pattern),
                             indices = column(mesh.frames, &MeshFrame::pattern_indices);
-  if (sets == 0) members.push_back(uv_property("uv", "UVMap", values, indices));
+  if (!uv) members.push_back(uv_property("uv", "UVMap", values, indices));
   named.push_back(uv_property("pattern", "pattern", values, indices));
 }
 
@@ -175,7 +210,7 @@ Property geometry(Archive& archive, const Mesh& mesh) {
   if (ever_given(frames, &MeshFrame::colours))
     named.push_back(
         array("crease", parameter_metadata("vtx", "rgba", 4), Pod::f32, 4, &MeshFrame::colours));
-  add_uv_sets(mesh, members, named);
+  add_attributes(mesh, members, named);
   if (!named.empty()) members.push_back(compound(".arbGeomParams", "", std::move(named)));
   if (mesh.surface && !mesh.surface->properties.empty())
     members.push_back(

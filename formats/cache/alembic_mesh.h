@@ -20,8 +20,9 @@ struct MeshFrame {
   Box box;
   Sample bounds, points, velocities, normals, normal_indices, indices, counts, pattern,
       pattern_indices, colours;
-  std::vector<std::array<Sample, 2>> uv_sets;  // of the surface: values and indices of each
-  std::vector<Sample> face_sets;               // of each material: the faces that have it
+  // of each attribute of the surface: its values, and which of them a corner has
+  std::vector<std::array<Sample, 2>> attributes;
+  std::vector<Sample> face_sets;  // of each material: the faces that have it
 };
 
 struct Mesh {

@@ -21,8 +21,8 @@ std::string object_metadata(const std::string& schema, const std::string& compou
 }
 
 std::string parameter_metadata(const std::string& scope, const std::string& interpretation,
-                               int extent, const std::string& number) {
-  return "arrayExtent=1;geoScope=" + scope +
+                               int extent, const std::string& number, int list) {
+  return "arrayExtent=" + std::to_string(list) + ";geoScope=" + scope +
          (interpretation.empty() ? "" : ";interpretation=" + interpretation) +
          ";isGeomParam=true;podExtent=" + std::to_string(extent) + ";podName=" + number;
 }

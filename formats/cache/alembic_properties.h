@@ -27,8 +27,9 @@ std::string object_metadata(const std::string& schema, const std::string& compou
 ///                 curve
 /// interpretation  what it means to readers, for example "normal"; empty: numbers
 /// extent          numbers per element
+/// list            elements that belong together
 std::string parameter_metadata(const std::string& scope, const std::string& interpretation,
-                               int extent, const std::string& number = "float32_t");
+                               int extent, const std::string& number = "float32_t", int list = 1);
 
 using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 

@@ -68,12 +68,13 @@ FloatArray y_up(const Points3& rows) {
   return array;
 }
 
-FloatArray pairs(const Points2& rows) {
-  FloatArray array{2, {}};
+template <class Rows>
+FloatArray floats(const Rows& rows) {
+  static_assert(Rows::IsRowMajor);
+  FloatArray array{static_cast<std::size_t>(rows.cols()), {}};
   array.values.reserve(static_cast<std::size_t>(rows.size()));
-  for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    for (const double number : {rows(i, 0), rows(i, 1)})
-      array.values.push_back(static_cast<float>(number) + 0.0f);
+  for (Eigen::Index i = 0; i < rows.size(); ++i)
+    array.values.push_back(static_cast<float>(rows.data()[i]) + 0.0f);
   return array;
 }
 
@@ -115,20 +116,30 @@ Prim over(const std::string& name, const std::vector<Attribute>& attributes) {
   return prim;
 }
 
-/// The names of the artist's uv sets. The first one, which is `st` besides, may be called that.
+/// The names of the artist's attributes. The first uv set, which is `st` besides, may be called
+/// that.
 /// layers  further primvars of the mesh
-std::vector<std::string> uv_labels(const MeshSurface& surface,
-                                   const std::vector<CacheLayer>& layers) {
+std::vector<std::string> attribute_labels(const MeshSurface& surface,
+                                          const std::vector<CacheLayer>& layers) {
   std::set<std::string> taken{"st",      "pattern",      "crease",
                               "normals", "displayColor", "displayOpacity"};
   for (const CacheLayer& layer : layers) taken.insert(layer.name);
   OwnNames own(std::move(taken));
   std::vector<std::string> labels;
-  for (const MeshSurface::UvSet& set : surface.uv_sets) {
-    const std::string label = identifier(set.name);
-    labels.push_back(labels.empty() && label == "st" ? label : own(label));
+  for (const MeshSurface::Attribute& attribute : surface.attributes) {
+    const std::string label = identifier(attribute.name);
+    const bool first_uv = labels.empty() && attribute.kind == AttributeKind::uv;
+    labels.push_back(first_uv && label == "st" ? label : own(label));
   }
   return labels;
+}
+
+/// "color4f[]"
+std::string type_of(const MeshSurface::Attribute& attribute) {
+  const std::string width = std::to_string(attribute.values.cols());
+  if (attribute.kind == AttributeKind::uv) return "texCoord2f[]";
+  if (attribute.kind == AttributeKind::colour) return "color" + width + "f[]";
+  return width == "1" ? "float[]" : "float" + width + "[]";
 }
 
 /// The names of the subsets of faces of its materials.
@@ -203,20 +214,19 @@ struct UsdWriter::Impl {
     samples.push_back({time_code(sheet.frames), animation->store(value)});
   }
 
-  /// Adds uv sets and materials of the artist.
+  /// Adds attributes and materials of the artist.
   void add_surface(UsdSheet& sheet, const MeshSurface& surface,
                    const std::vector<CacheLayer>& layers) {
-    const auto add_uv = [&](const std::string& name, const MeshSurface::UvSet& set) {
-      add(sheet, sheet.attributes, {"texCoord2f[]", "primvars:" + name, "faceVarying"},
-          pairs(set.uv));
+    const auto add_as = [&](const std::string& name, const MeshSurface::Attribute& attribute) {
+      add(sheet, sheet.attributes, {type_of(attribute), "primvars:" + name, "faceVarying"},
+          floats(attribute.values));
       add(sheet, sheet.attributes, {"int[]", "primvars:" + name + ":indices"},
-          integers(set.of_corner));
+          integers(attribute.of_corner));
     };
-    const std::vector<std::string> labels = uv_labels(surface, layers);
-    for (std::size_t n = 0; n < surface.uv_sets.size(); ++n) {
-      if (n == 0) add_uv("st", surface.uv_sets[n]);
-      if (labels[n] != "st") add_uv(labels[n], surface.uv_sets[n]);
-    }
+    const std::vector<std::string> labels = attribute_labels(surface, layers);
+    if (has_uv(surface.attributes)) add_as("st", surface.attributes.front());
+    for (std::size_t n = 0; n < surface.attributes.size(); ++n)
+      if (labels[n] != "st") add_as(labels[n], surface.attributes[n]);
     for (std::size_t m = 0; m < surface.materials.size(); ++m) {
       const Property indices{"int[]", "indices"};
       if (m == sheet.subsets.size()) sheet.subsets.push_back({indices, indices, {}});
@@ -483,9 +493,9 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   for (const CacheLayer& layer : frame.layers)
     add("float[]", "primvars:" + layer.name, "vertex", numbers(layer.values));
   if (frame.uv.rows() > 0) {
-    add("texCoord2f[]", "primvars:pattern", "vertex", pairs(frame.uv));
-    if (!frame.surface || frame.surface->uv_sets.empty())
-      add("texCoord2f[]", "primvars:st", "vertex", pairs(frame.uv));
+    add("texCoord2f[]", "primvars:pattern", "vertex", floats(frame.uv));
+    if (!frame.surface || !has_uv(frame.surface->attributes))
+      add("texCoord2f[]", "primvars:st", "vertex", floats(frame.uv));
   }
   if (frame.surface && frame.surface != sheet.surface)
     impl_->add_surface(sheet, *frame.surface, frame.layers);

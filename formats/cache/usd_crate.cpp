@@ -22,6 +22,7 @@ enum Type : std::uint64_t {
   token_type = 11,
   float2_type = 20,
   float3_type = 24,
+  float4_type = 28,
   dictionary_type = 31,
   token_list_type = 32,
   path_list_type = 34,
@@ -195,8 +196,8 @@ class CrateEncoder : public Encoder {
   }
   StoredValue stored(const FloatArray& floats) {
     const std::size_t count = floats.values.size() / floats.width;
-    if (floats.width > 1)
-      return array(floats.width == 2 ? float2_type : float3_type, count, raw(floats.values));
+    constexpr Type types[] = {float_type, float2_type, float3_type, float4_type};
+    if (floats.width > 1) return array(types[floats.width - 1], count, raw(floats.values));
     if (count >= min_compressed) {
       std::vector<float> different;
       if (few_different(floats.values, different))

@@ -17,7 +17,7 @@ struct Token {
   std::string text;
 };
 
-/// float[], float2[] or float3[], or a type with a role such as point3f[].
+/// float[], float2[], float3[] or float4[], or a type with a role such as point3f[].
 struct FloatArray {
   std::size_t width = 1;      // numbers of an element
   std::vector<float> values;  // of all elements, one after another

@@ -74,13 +74,25 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) copy.x.row(i) = vector(mesh.mVertices[i]);
   bool finite = copy.x.allFinite();
   for (unsigned n = 0; n < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(n); ++n) {
-    ImportedUvSet& set = copy.uv_sets.emplace_back();
+    AuthoredAttribute& set = copy.attributes.emplace_back();
     const aiString* name = mesh.GetTextureCoordsName(n);
     set.name = name && name->length > 0 ? name->C_Str() : fmt::format("UVChannel_{}", n + 1);
-    set.uv.resize(mesh.mNumVertices, 2);
+    set.kind = AttributeKind::uv;
+    set.values.resize(mesh.mNumVertices, 2);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i)
-      set.uv.row(i) = vector(mesh.mTextureCoords[n][i]).head<2>();
-    finite = finite && set.uv.allFinite();
+      set.values.row(i) = vector(mesh.mTextureCoords[n][i]).head<2>();
+    finite = finite && set.values.allFinite();
+  }
+  for (unsigned n = 0; n < AI_MAX_NUMBER_OF_COLOR_SETS && mesh.HasVertexColors(n); ++n) {
+    AuthoredAttribute& set = copy.attributes.emplace_back();
+    set.name = n == 0 ? "Color" : fmt::format("Color.{:03}", n);  // assimp drops their names
+    set.kind = AttributeKind::colour;
+    set.values.resize(mesh.mNumVertices, 4);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiColor4D& at = mesh.mColors[n][i];
+      set.values.row(i) << at.r, at.g, at.b, at.a;
+    }
+    finite = finite && set.values.allFinite();
   }
   if (!finite)
     throw Error(ErrorCode::scene, where(), "A vertex contains a value that is not a number.");

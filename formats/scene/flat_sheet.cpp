@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,27 +23,51 @@ using Loop = std::vector<int>;
 // of the size: a border vertex nearer than this to a straight line is not a corner
 constexpr double straightness = 1e-6;
 
-/// The uv sets that all meshes of the node have, and the materials, of the triangles of
-/// combined_mesh.
+/// The attribute of another mesh of the same node that belongs to attribute n of the first one: the
+/// uv set of the same number, or what has the same name, kind and width. Null: there is none.
+const AuthoredAttribute* counterpart(const AuthoredAttribute& of, std::size_t n,
+                                     const ImportedMesh& mesh) {
+  const std::vector<AuthoredAttribute>& all = mesh.attributes;
+  if (of.kind == AttributeKind::uv)
+    return n < all.size() && all[n].kind == of.kind ? &all[n] : nullptr;
+  const auto found = std::find_if(all.begin(), all.end(), [&](const AuthoredAttribute& other) {
+    return other.name == of.name && other.kind == of.kind &&
+           other.values.cols() == of.values.cols();
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Attribute n of the first mesh of the node that has faces, at the corners of combined_mesh.
+/// Nothing: another one that has faces does not have it.
+std::optional<AuthoredAttribute> on_corners(const ImportedFile& file, int node,
+                                            const AuthoredAttribute& first, std::size_t n,
+                                            const WeldedMesh& all) {
+  AttributeValues of_vertices = AttributeValues::Zero(all.x.rows(), first.values.cols());
+  Eigen::Index v = 0;
+  for (const int m : file.nodes[node].meshes) {
+    const ImportedMesh& mesh = file.meshes[m];
+    const AuthoredAttribute* part = counterpart(first, n, mesh);
+    if (!part && mesh.triangles.rows() > 0) return {};
+    if (part) of_vertices.middleRows(v, mesh.x.rows()) = part->values;
+    v += mesh.x.rows();
+  }
+  AuthoredAttribute found{first.name, first.kind, {}};
+  found.values.resize(all.triangles.size(), first.values.cols());
+  for (Eigen::Index t = 0; t < all.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) found.values.row(3 * t + k) = of_vertices.row(all.triangles(t, k));
+  return found;
+}
+
+/// The attributes that all meshes of the node with faces have, and the materials, of the triangles
+/// of combined_mesh.
 AuthoredSurface authored_on(const ImportedFile& file, int node, const WeldedMesh& all) {
   const std::vector<int>& meshes = file.nodes[node].meshes;
-  std::size_t sets = meshes.empty() ? 0 : file.meshes[meshes.front()].uv_sets.size();
-  for (const int m : meshes) sets = std::min(sets, file.meshes[m].uv_sets.size());
   AuthoredSurface authored;
-  for (std::size_t n = 0; n < sets; ++n) {
-    Points2 of_vertices(all.x.rows(), 2);
-    int v = 0;
-    for (const int m : meshes) {
-      const Points2& uv = file.meshes[m].uv_sets[n].uv;
-      of_vertices.middleRows(v, uv.rows()) = uv;
-      v += static_cast<int>(uv.rows());
-    }
-    AuthoredSurface::UvSet& set = authored.uv_sets.emplace_back();
-    set.name = file.meshes[meshes.front()].uv_sets[n].name;
-    set.uv.resize(all.triangles.size(), 2);
-    for (Eigen::Index t = 0; t < all.triangles.rows(); ++t)
-      for (int k = 0; k < 3; ++k) set.uv.row(3 * t + k) = of_vertices.row(all.triangles(t, k));
-  }
+  const auto first = std::find_if(meshes.begin(), meshes.end(),
+                                  [&](const int m) { return file.meshes[m].triangles.rows() > 0; });
+  for (std::size_t n = 0; first != meshes.end() && n < file.meshes[*first].attributes.size(); ++n)
+    if (auto found = on_corners(file, node, file.meshes[*first].attributes[n], n, all))
+      authored.attributes.push_back(std::move(*found));
   const auto number_of = [&](const std::string& name) {
     const auto known = std::find(authored.materials.begin(), authored.materials.end(), name);
     if (known == authored.materials.end()) authored.materials.push_back(name);

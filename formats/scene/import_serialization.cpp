@@ -95,6 +95,18 @@ void field(Stream& stream, Eigen::Matrix<Scalar, Rows, Columns, Order>& m) {
 }
 
 template <class Stream>
+void field(Stream& stream, AttributeValues& m) {
+  auto columns = static_cast<std::uint8_t>(m.cols());
+  field(stream, columns);
+  if constexpr (Stream::reads)
+    if (columns < 1 || columns > AttributeValues::MaxColsAtCompileTime)
+      refuse("an attribute does not have one to four numbers for each vertex");
+  const std::uint64_t rows = count_field(stream, m.rows(), columns * sizeof(double));
+  m.resize(static_cast<Eigen::Index>(rows), columns);
+  stream.raw(m.data(), m.size() * sizeof(double));
+}
+
+template <class Stream>
 void field(Stream& stream, Eigen::Affine3d& t) {
   field(stream, t.matrix());
 }
@@ -163,9 +175,12 @@ void field(Stream& stream, ImportedNode& n) {
 }
 
 template <class Stream>
-void field(Stream& stream, ImportedUvSet& set) {
-  field(stream, set.name);
-  field(stream, set.uv);
+void field(Stream& stream, AuthoredAttribute& a) {
+  auto kind = static_cast<std::uint8_t>(a.kind);
+  field(stream, a.name);
+  field(stream, kind);
+  field(stream, a.values);
+  a.kind = static_cast<AttributeKind>(kind);
 }
 
 template <class Stream>
@@ -179,7 +194,7 @@ void field(Stream& stream, Skin& s) {
 template <class Stream>
 void field(Stream& stream, ImportedMesh& m) {
   field(stream, m.x);
-  field(stream, m.uv_sets);
+  field(stream, m.attributes);
   field(stream, m.triangles);
   field(stream, m.materials);
   field(stream, m.material_of);
@@ -276,6 +291,22 @@ void check_deformation(const ImportedMesh& mesh, std::size_t nodes) {
     if (!std::isfinite(weight)) refuse("the weight of a blend shape is not a number");
 }
 
+void check_attributes(const ImportedMesh& mesh) {
+  AttributeKind before = AttributeKind::uv;
+  for (const AuthoredAttribute& a : mesh.attributes) {
+    const Eigen::Index width = a.values.cols();
+    if (a.kind > AttributeKind::number || (a.kind == AttributeKind::uv && width != 2) ||
+        (a.kind == AttributeKind::colour && width < 3))
+      refuse("an attribute is neither a uv set nor a colour nor numbers");
+    if (a.kind == AttributeKind::uv && before != AttributeKind::uv)
+      refuse("a uv set stands after other attributes");
+    if (a.values.rows() != mesh.x.rows())
+      refuse("a mesh does not have one value of an attribute for each vertex");
+    if (!a.values.allFinite()) refuse("a value of an attribute is not a number");
+    before = a.kind;
+  }
+}
+
 void check(const ImportedFile& file) {
   const auto below = [](int i, std::size_t count) {
     return i >= 0 && static_cast<std::size_t>(i) < count;
@@ -291,10 +322,7 @@ void check(const ImportedFile& file) {
       if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that does not exist");
   }
   for (const ImportedMesh& mesh : file.meshes) {
-    for (const ImportedUvSet& set : mesh.uv_sets) {
-      if (set.uv.rows() != mesh.x.rows()) refuse("a mesh does not have one uv for each vertex");
-      if (!set.uv.allFinite()) refuse("a vertex is not a number");
-    }
+    check_attributes(mesh);
     if (!mesh.x.allFinite()) refuse("a vertex is not a number");
     if (!mesh.material_of.empty() &&
         mesh.material_of.size() != static_cast<std::size_t>(mesh.triangles.rows()))

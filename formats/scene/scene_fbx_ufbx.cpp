@@ -115,20 +115,27 @@ Edges creases_of(const ufbx_mesh& mesh) {
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
-/// Each with one value for each corner of the mesh.
-std::vector<ImportedUvSet> uv_sets_of(const ufbx_mesh& mesh) {
-  std::vector<ImportedUvSet> sets;
+/// The uv sets and colours, each with one value for each corner of the mesh.
+std::vector<AuthoredAttribute> attributes_of(const ufbx_mesh& mesh) {
+  const auto corners = static_cast<Eigen::Index>(mesh.num_indices);
+  std::vector<AuthoredAttribute> found;
   for (const ufbx_uv_set& set : mesh.uv_sets) {
     if (!set.vertex_uv.exists) continue;
-    ImportedUvSet& copy = sets.emplace_back();
-    copy.name = text_of(set.name);
-    copy.uv.resize(static_cast<Eigen::Index>(mesh.num_indices), 2);
-    for (Eigen::Index i = 0; i < copy.uv.rows(); ++i) {
+    found.push_back({text_of(set.name), AttributeKind::uv, AttributeValues(corners, 2)});
+    for (Eigen::Index i = 0; i < corners; ++i) {
       const ufbx_vec2 at = ufbx_get_vertex_vec2(&set.vertex_uv, i);
-      copy.uv.row(i) = Vector2d(at.x, at.y);
+      found.back().values.row(i) << at.x, at.y;
     }
   }
-  return sets;
+  for (const ufbx_color_set& set : mesh.color_sets) {
+    if (!set.vertex_color.exists) continue;
+    found.push_back({text_of(set.name), AttributeKind::colour, AttributeValues(corners, 4)});
+    for (Eigen::Index i = 0; i < corners; ++i) {
+      const ufbx_vec4 at = ufbx_get_vertex_vec4(&set.vertex_color, i);
+      found.back().values.row(i) << at.x, at.y, at.z, at.w;
+    }
+  }
+  return found;
 }
 
 /// What of the deformation of a mesh is not followed; empty: all is.
@@ -212,9 +219,9 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   copy.x.resize(corners, 3);
   for (Eigen::Index i = 0; i < corners; ++i)
     copy.x.row(i) = to_node * vector(ufbx_get_vertex_vec3(&mesh.vertex_position, i));
-  copy.uv_sets = uv_sets_of(mesh);
-  const bool finite = std::all_of(copy.uv_sets.begin(), copy.uv_sets.end(),
-                                  [](const ImportedUvSet& set) { return set.uv.allFinite(); });
+  copy.attributes = attributes_of(mesh);
+  const bool finite = std::all_of(copy.attributes.begin(), copy.attributes.end(),
+                                  [](const AuthoredAttribute& a) { return a.values.allFinite(); });
   if (!copy.x.allFinite() || !finite) reject_number(node.name, "A vertex");
   for (const ufbx_material* material : node.materials)
     copy.materials.push_back(material ? text_of(material->name) : std::string());

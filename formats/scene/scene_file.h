@@ -38,7 +38,7 @@ struct SceneSheet {
   Sheet start;
   // whether `start` is as bones and blend shapes put the mesh
   bool deformed = false;
-  AuthoredSurface authored;     // uv sets and materials of the imported mesh
+  AuthoredSurface authored;     // attributes and materials of the imported mesh
   std::vector<Handle> handles;  // in order of the file
   // names of the handles that are released because their keyed scale falls below half
   std::set<std::string> scale_releases;

@@ -150,6 +150,62 @@ void read_targets(GltfFile& file, const Json& primitive, ImportedMesh& mesh) {
   }
 }
 
+/// How many numbers an element of an accessor has; 0 for a matrix.
+std::size_t width_of(const Json& accessor) {
+  const std::string type = gltf::text(accessor, "type", "");
+  if (type == "SCALAR") return 1;
+  const bool vector = type.size() == 4 && type.rfind("VEC", 0) == 0;
+  return vector && '2' <= type[3] && type[3] <= '4' ? static_cast<std::size_t>(type[3] - '0') : 0;
+}
+
+/// Reads the attribute that the file calls `semantic`.
+/// width  numbers of a vertex
+AuthoredAttribute read_attribute(GltfFile& file, const Json& attributes,
+                                 const std::string& semantic, std::size_t width,
+                                 AttributeKind kind) {
+  const std::vector<double> numbers = file.numbers(
+      index(attributes, semantic.c_str(), list(file.json(), "accessors").size()), width,
+      kind == AttributeKind::colour ? Integers::normalized : Integers::as_flagged);
+  AuthoredAttribute attribute{semantic, kind, {}};
+  attribute.values = Eigen::Map<const AttributeValues>(
+      numbers.data(), static_cast<Eigen::Index>(numbers.size() / width),
+      static_cast<Eigen::Index>(width));
+  return attribute;
+}
+
+/// The uv sets, the colours, and what the artist has added under a name that begins with `_`. glTF
+/// has no names for the first two: these are those that Blender gives.
+std::vector<AuthoredAttribute> read_attributes(GltfFile& file, const Json& attributes) {
+  const Json& accessors = list(file.json(), "accessors");
+  const auto width = [&](const std::string& semantic) {
+    return width_of(accessors[index(attributes, semantic.c_str(), accessors.size())]);
+  };
+  const auto numbered = [](const char* name, int n) {
+    return n == 0 ? std::string(name) : fmt::format("{}.{:03}", name, n);
+  };
+  std::vector<AuthoredAttribute> found;
+  for (int n = 0; attributes.contains(fmt::format("TEXCOORD_{}", n)); ++n) {
+    found.push_back(
+        read_attribute(file, attributes, fmt::format("TEXCOORD_{}", n), 2, AttributeKind::uv));
+    found.back().name = numbered("UVMap", n);
+    found.back().values.col(1) = 1 - found.back().values.col(1).array();  // v counts downwards
+  }
+  for (int n = 0; attributes.contains(fmt::format("COLOR_{}", n)); ++n) {
+    const std::string semantic = fmt::format("COLOR_{}", n);
+    if (width(semantic) < 3) refuse("the colour of a vertex has neither three nor four numbers");
+    found.push_back(
+        read_attribute(file, attributes, semantic, width(semantic), AttributeKind::colour));
+    found.back().name = numbered("Color", n);
+  }
+  for (const auto& [semantic, accessor] : attributes.items()) {
+    if (semantic.size() < 2 || semantic[0] != '_' || width(semantic) == 0) continue;
+    found.push_back(
+        read_attribute(file, attributes, semantic, width(semantic), AttributeKind::number));
+    found.back().name = semantic.substr(1);
+  }
+  return found;
+}
+
 ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& place) {
   const Json& accessors = list(file.json(), "accessors");
   const Json attributes = primitive.value("attributes", Json());
@@ -167,17 +223,12 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
   const std::vector<double> x = numbers("POSITION", 3);
   ImportedMesh copy;
   copy.x = Eigen::Map<const Points3>(x.data(), static_cast<Eigen::Index>(x.size() / 3), 3);
+  copy.attributes = read_attributes(file, attributes);
   bool finite = copy.x.allFinite();
-  for (int n = 0; attributes.contains(fmt::format("TEXCOORD_{}", n)); ++n) {
-    const std::vector<double> uv = numbers(fmt::format("TEXCOORD_{}", n).c_str(), 2);
-    if (static_cast<Eigen::Index>(uv.size() / 2) != copy.x.rows())
-      refuse("a mesh does not have one uv for each vertex");
-    ImportedUvSet& set = copy.uv_sets.emplace_back();
-    // glTF has no names for them: these are those that Blender gives
-    set.name = n == 0 ? "UVMap" : fmt::format("UVMap.{:03}", n);
-    set.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
-    set.uv.col(1) = 1 - set.uv.col(1).array();  // glTF counts v downwards
-    finite = finite && set.uv.allFinite();
+  for (const AuthoredAttribute& attribute : copy.attributes) {
+    if (attribute.values.rows() != copy.x.rows())
+      refuse(fmt::format("a mesh does not have one value of {} for each vertex", attribute.name));
+    finite = finite && attribute.values.allFinite();
   }
   if (!finite)
     throw Error(ErrorCode::scene, place, "A vertex contains a value that is not a number.",

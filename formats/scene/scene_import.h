@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/authored_surface.h"
 #include "core/model/error.h"
 #include "core/model/sheet.h"
 #include "formats/scene/scene_parts.h"
@@ -58,12 +59,6 @@ struct ImportedNode {
 /// Edges by the indices of their end vertices.
 using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
-/// Texture coordinates of a mesh.
-struct ImportedUvSet {
-  std::string name;
-  Points2 uv;  // |V|x2, v up
-};
-
 /// How bones move the vertices of a mesh: sum over its influences of
 /// weight x bone's place x to_bone x vertex, over the sum of the weights.
 struct Skin {
@@ -75,8 +70,9 @@ struct Skin {
 
 /// A mesh in the space of its node.
 struct ImportedMesh {
-  Points3 x;                           // |V|x3 in units of the file
-  std::vector<ImportedUvSet> uv_sets;  // in order of the file
+  Points3 x;  // |V|x3 in units of the file
+  // a row for each vertex: the uv sets in order of the file, then the others
+  std::vector<AuthoredAttribute> attributes;
   Triangles triangles;
   std::vector<std::string> materials;  // names
   // |T| of each triangle, in `materials`; -1: none. Empty without materials

@@ -23,8 +23,8 @@ constexpr std::array known_properties = {
     "paper_point",      "paper_stiffness",     "paper_ignore",  "paper_preset",  "paper_gsm",
     "paper_thickness",  "paper_seed",          "paper_fps",     "paper_gravity", "paper_size",
     "paper_collider",   "paper_friction",      "paper_crease",  "paper_uv",      "paper_locked",
-    "paper_weight",     "paper_interp",        "paper_tangent", "paper_uv_sets", "paper_air",
-    "paper_speed",      "paper_gust",          "paper_axis"};
+    "paper_weight",     "paper_interp",        "paper_tangent", "paper_uv_sets", "paper_colours",
+    "paper_attributes", "paper_air",           "paper_speed",   "paper_gust",    "paper_axis"};
 
 const PropertyValue* find(const ImportedNode& node, const std::string& key) {
   const auto found = node.properties.find(key);

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -40,13 +41,37 @@ void warn_of_distance(const std::string& name, const Points3& x,
                   name, x.rowwise().norm().maxCoeff(), 1e3 * step));
 }
 
-/// glTF has no names for uv sets: paper_uv_sets of the sheet may have them, one a line.
-void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& authored) {
-  std::istringstream lines(names.value_or(""));
-  for (AuthoredSurface::UvSet& set : authored.uv_sets)
-    if (std::string name; std::getline(lines, name) && !name.empty()) set.name = name;
-  OwnNames own({"pattern", "crease"});  // that caches have besides
-  for (AuthoredSurface::UvSet& set : authored.uv_sets) set.name = own(set.name);
+/// The lines NAME=name of a property, or NAME alone where that is the name to have.
+std::map<std::string, std::string> names_in(const std::optional<std::string>& property) {
+  std::map<std::string, std::string> names;
+  std::istringstream lines(property.value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t equals = line.find('=');
+    const std::string read = line.substr(0, equals);
+    names.emplace(read, equals == std::string::npos ? read : line.substr(equals + 1));
+  }
+  return names;
+}
+
+/// Names that the file does not have, and what is a colour there, as properties of the sheet tell
+/// them: glTF has no names for uv sets and colours, and those of other attributes in capitals.
+void name_attributes(const ImportedNode& node, AuthoredSurface& authored) {
+  std::istringstream uv_sets(text_property(node, "paper_uv_sets").value_or(""));
+  const auto colours = names_in(text_property(node, "paper_colours")),
+             others = names_in(text_property(node, "paper_attributes"));
+  for (AuthoredAttribute& attribute : authored.attributes) {
+    if (attribute.kind == AttributeKind::uv) {
+      if (std::string name; std::getline(uv_sets, name) && !name.empty()) attribute.name = name;
+    } else if (const auto colour = colours.find(attribute.name);
+               colour != colours.end() && attribute.values.cols() >= 3) {
+      attribute.kind = AttributeKind::colour;
+      attribute.name = colour->second;
+    } else if (const auto other = others.find(attribute.name); other != others.end()) {
+      attribute.name = other->second;
+    }
+  }
+  OwnNames own({"pattern", "crease", "velocity"});  // that caches have besides
+  for (AuthoredAttribute& attribute : authored.attributes) attribute.name = own(attribute.name);
 }
 
 /// The number that a sheet gives for a parameter of its paper; nothing without that property.
@@ -143,7 +168,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eige
   sheet.authored = std::move(flat.authored);
   for (const auto& [key, value] : node.properties)
     if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
-  name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
+  name_attributes(node, sheet.authored);
   check_size(scene, node, extent(sheet.pattern), options, warnings);
   warn_of_distance(sheet.name, sheet.start.x, warnings);
   read_paper(scene, node, sheet);

@@ -55,20 +55,21 @@ EdgeTopology edge_topology(const Triangles& triangles) {
 
 WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
   int vertices = 0, triangles = 0;
-  bool has_uv = true;
+  bool all_have_uv = true;
   for (int m : file.nodes[node].meshes) {
     vertices += static_cast<int>(file.meshes[m].x.rows());
     triangles += static_cast<int>(file.meshes[m].triangles.rows());
-    has_uv = has_uv && !file.meshes[m].uv_sets.empty();
+    all_have_uv = all_have_uv && has_uv(file.meshes[m].attributes);
   }
-  WeldedMesh all{Points3(vertices, 3), Points2(has_uv ? vertices : 0, 2), Triangles(triangles, 3)};
+  WeldedMesh all{Points3(vertices, 3), Points2(all_have_uv ? vertices : 0, 2),
+                 Triangles(triangles, 3)};
   int v = 0, t = 0;
   for (int m : file.nodes[node].meshes) {
     const ImportedMesh& mesh = file.meshes[m];
     const int n = static_cast<int>(mesh.x.rows());
     all.x.middleRows(v, n) =
         (mesh.x * world.linear().transpose()).rowwise() + world.translation().transpose();
-    if (has_uv) all.uv.middleRows(v, n) = mesh.uv_sets.front().uv;
+    if (all_have_uv) all.uv.middleRows(v, n) = mesh.attributes.front().values;
     all.triangles.middleRows(t, mesh.triangles.rows()) = mesh.triangles.array() + v;
     v += n;
     t += static_cast<int>(mesh.triangles.rows());

@@ -295,6 +295,95 @@ def test_what_was_made_stays(judgement):
     judgement.count("printed sheets", 1)
 
 
+def put_on_vertices(sheet):
+    """Two panels side by side of two faces each, with a vertex group, colours and other attributes on them."""
+    select(sheet)
+    with heard():
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide(number_cuts=1)
+        bpy.ops.object.mode_set(mode="OBJECT")
+    mesh = sheet.data
+    group = sheet.vertex_groups.new(name="Worn edge")
+    for vertex in mesh.vertices:
+        group.add([vertex.index], vertex.co.x / SIDES[0] + 0.5, "REPLACE")
+    points = [vertex.co for vertex in mesh.vertices]
+    corners = [(points[mesh.loops[i].vertex_index], face.center.x > 0) for face in mesh.polygons for i in face.loop_indices]
+    given = {
+        "wetness": ("FLOAT", "POINT", "value", [40 * p.x - 90 * p.y for p in points]),
+        "_own": ("FLOAT", "POINT", "value", [p.y for p in points]),
+        "flow": ("FLOAT_VECTOR", "POINT", "vector", [n for p in points for n in (p.x, p.y, 1)]),
+        "offset": ("FLOAT2", "POINT", "vector", [n for p in points for n in (7 * p.x, p.y)]),
+        "panel": ("INT", "FACE", "value", [3 if face.center.x > 0 else -2 for face in mesh.polygons]),
+        "printed": ("BOOLEAN", "FACE", "value", [face.center.x > 0 for face in mesh.polygons]),
+        "Dye": ("FLOAT_COLOR", "CORNER", "color", [n for p, right in corners for n in (2.5 if right else 0.1, p.y + 0.5, 0.25, 0.75)]),
+        "Stain": ("BYTE_COLOR", "POINT", "color", [n for p in points for n in (0.5, 0.25, 0.125, 1)]),
+    }
+    for name, (kind, domain, member, values) in given.items():
+        mesh.attributes.new(name, kind, domain).data.foreach_set(member, values)
+    mesh.color_attributes.active_color_index = mesh.color_attributes.find("Stain")
+    mesh.color_attributes.render_color_index = mesh.color_attributes.find("Dye")
+
+
+def check_on_vertices(judgement, paper, frame, where):
+    """As the paper is in a frame, its modifiers applied."""
+    bpy.context.scene.frame_set(frame)
+    mesh = paper.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    pattern = floats(mesh.uv_layers["pattern"].uv, "vector", 2) * max(SIDES) - numpy.array(SIDES) / 2
+    vertex_of = integers(mesh.loops, "vertex_index")
+    points = numpy.empty((len(mesh.vertices), 2))
+    points[vertex_of] = pattern
+    right = pattern.reshape(-1, 3, 2).mean(axis=1)[:, 0] > 0
+    corner_right, one = numpy.repeat(right, 3), numpy.ones(len(points))
+    expected = {
+        "wetness": ("FLOAT", "POINT", "value", 40 * points[:, 0] - 90 * points[:, 1]),
+        "_own": ("FLOAT", "POINT", "value", points[:, 1]),
+        "flow": ("FLOAT_VECTOR", "POINT", "vector", numpy.stack([points[:, 0], points[:, 1], one], axis=1)),
+        "offset": ("FLOAT2", "POINT", "vector", points * (7, 1)),
+        "panel": ("INT", "FACE", "value", numpy.where(right, 3, -2)),
+        "printed": ("BOOLEAN", "FACE", "value", right),
+        "Dye": ("FLOAT_COLOR", "CORNER", "color", numpy.stack([numpy.where(corner_right, 2.5, 0.1), pattern[:, 1] + 0.5, 0 * pattern[:, 0] + 0.25,
+                                                               0 * pattern[:, 0] + 0.75], axis=1)),
+        "Stain": ("FLOAT_COLOR", "CORNER", "color", numpy.tile([0.5, 0.25, 0.125, 1], (len(pattern), 1))),
+    }
+    for name, (kind, domain, member, values) in expected.items():
+        found = mesh.attributes.get(name)
+        if not judgement.check(found and (found.data_type, found.domain) == (kind, domain), f"{where}: {name} is {found and (found.data_type, found.domain)}"):
+            continue
+        near = 2 / 255 if name == "Stain" else 2e-5  # bytes; 90 times a place of 32 bits
+        numbers = numpy.array([getattr(element, member) for element in found.data], dtype=float)
+        judgement.near(numbers.reshape(len(values), -1), numpy.asarray(values, dtype=float).reshape(len(values), -1), "attributes", f"{where}, {name}", near)
+    colours = mesh.color_attributes
+    chosen = colours[colours.active_color_index].name, colours[colours.render_color_index].name
+    judgement.check(chosen == ("Stain", "Dye"), f"{where}: active and rendered are the colours {chosen}")
+    group = paper.vertex_groups.get("Worn edge")
+    if judgement.check(group is not None, f"{where}: the vertex group is lost"):
+        weights = [next((g.weight for g in vertex.groups if g.group == group.index), 0.0) for vertex in mesh.vertices]
+        judgement.near(numpy.array(weights)[:, None], (points[:, :1] / SIDES[0] + 0.5), "attributes", f"{where}, the vertex group", 2e-5)
+
+
+def test_what_is_on_vertices_comes_back(judgement):
+    """Vertex groups, colours and other attributes, on vertices, faces and corners, in every frame, after a draft and after a bake."""
+    scene, sheet = new_scene("dyed")
+    mark_and_hold(Judgement(), scene, sheet)
+    put_on_vertices(sheet)
+    before = [(attribute.name, attribute.data_type, attribute.domain) for attribute in sheet.data.attributes]
+    for bake in (bpy.ops.paperbake.draft, bpy.ops.paperbake.bake):
+        result, said = report(bake)
+        where = bake.idname_py()
+        if not judgement.check(result == {"FINISHED"} and "come back" not in said, f"{where}: it says {said}"):
+            return
+        for frame in (FIRST, LAST):
+            check_on_vertices(judgement, scene.objects["baked.paper.Letter"], frame, f"{where}, frame {frame}")
+    after = [(attribute.name, attribute.data_type, attribute.domain) for attribute in sheet.data.attributes]
+    judgement.check(after == before and "paper_colours" not in sheet, f"the export leaves {after}")
+    scene.paperbake.options = "--mesh simulation"
+    _, said = report(bpy.ops.paperbake.draft)
+    judgement.check(part("job").CHANGING_MESH in said, f"of a changing mesh is said {said}")
+    judgement.check(not [thing.name for thing in bpy.data.objects if "paper_Letter" in thing.name], "the USD layer stays in the scene")
+    judgement.check([file.name for file in bpy.data.cache_files if file.users] == ["baked.paper.Letter.abc"], "a cache file too many is left")
+
+
 def folded_sheet(scene, sheet):
     """The sheet as a Z: two folds across, of +60 and -60 degrees, in three panels that do not stretch."""
     mesh = bmesh.new()
@@ -521,10 +610,11 @@ def test_what_is_left_out_is_told(judgement):
     sheet.vertex_groups.new(name="Worn")
     sheet.data.color_attributes.new("Dye", "FLOAT_COLOR", "POINT")
     sheet.data.attributes.new("wetness", "FLOAT", "POINT")
+    sheet.data.attributes.new("stitch", "FLOAT", "EDGE")
     sheet.data.attributes.new("crease_edge", "FLOAT", "EDGE")  # is read
     found = remarks(scene)
     judgement.check(len(found) == 4, f"there are {len(found)} remarks: {found}")
-    for words in (("collider.curve", "Convert > Mesh"), ("letters", "Convert > Mesh"), ("Desk", "collider.box", "Make Instances Real"), ("paper.Letter", "groups Worn;", "colours Dye;", "attributes wetness.")):
+    for words in (("collider.curve", "Convert > Mesh"), ("letters", "Convert > Mesh"), ("Desk", "collider.box", "Make Instances Real"), ("paper.Letter", "its attributes stitch.")):
         judgement.check(any(all(word in sentence for word in words) for sentence in found), f"no remark says {words}: {found}")
     scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
     result, said = report(bpy.ops.paperbake.bake)
@@ -766,11 +856,11 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_order_and_words_of_messages, test_options_of_the_panel, test_nothing_holds_it,
+        for test in (test_bake, test_what_was_made_stays, test_what_is_on_vertices_comes_back, test_creases, test_what_is_not_followed_is_told, test_winds, test_groups_of_colliders, test_draft_messages_and_deletion, test_order_and_words_of_messages, test_options_of_the_panel, test_nothing_holds_it,
                      test_what_is_left_out_is_told, test_undo, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
-    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
+    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "attributes", "failures", "windows", "texels"))
 
 
 if __name__ == "__main__":

@@ -26,7 +26,10 @@ std::vector<RenderedSheet> frame(int number) {
   sheet.mesh.normal_of_corner = (Triangles(2, 3) << 0, 1, 2, 0, 2, 4).finished();
   sheet.mesh.uv = Points2::Random(4, 2);
   static const auto surface = std::make_shared<const MeshSurface>(MeshSurface{
-      {{"print", Points2::Random(5, 2), (Triangles(2, 3) << 0, 1, 2, 0, 2, 4).finished()}},
+      {{"print", AttributeKind::uv, AttributeValues::Random(5, 2),
+        (Triangles(2, 3) << 0, 1, 2, 0, 2, 4).finished()},
+       {"dye", AttributeKind::colour, AttributeValues::Random(4, 4),
+        (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished()}},
       {"newsprint"},
       {0, -1},
       {{"page", 3.0}, {"paper", std::string("Times")}, {"size", std::vector<double>{2, 3}}}});
@@ -53,10 +56,14 @@ void expect_equal(const std::vector<RenderedSheet>& a, const std::vector<Rendere
     EXPECT_EQ(a[s].mesh.uv, b[s].mesh.uv);
     ASSERT_TRUE(a[s].mesh.surface);
     const MeshSurface &x = *a[s].mesh.surface, &y = *b[s].mesh.surface;
-    ASSERT_EQ(x.uv_sets.size(), y.uv_sets.size());
-    EXPECT_EQ(x.uv_sets[0].name, y.uv_sets[0].name);
-    EXPECT_EQ(x.uv_sets[0].uv, y.uv_sets[0].uv);
-    EXPECT_EQ(x.uv_sets[0].of_corner, y.uv_sets[0].of_corner);
+    ASSERT_EQ(x.attributes.size(), 2u);
+    ASSERT_EQ(y.attributes.size(), 2u);
+    for (int n : {0, 1}) {
+      EXPECT_EQ(x.attributes[n].name, y.attributes[n].name);
+      EXPECT_EQ(x.attributes[n].kind, y.attributes[n].kind);
+      EXPECT_TRUE(same_entries(x.attributes[n].values, y.attributes[n].values));
+      EXPECT_EQ(x.attributes[n].of_corner, y.attributes[n].of_corner);
+    }
     EXPECT_EQ(x.materials, y.materials);
     EXPECT_EQ(x.material_of, y.material_of);
     EXPECT_EQ(x.properties, y.properties);

@@ -100,8 +100,12 @@ TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
   const BakePlan was = plan([](AuthoredSurface&) {}), again = plan([](AuthoredSurface&) {});
   EXPECT_EQ(was.job_hash, again.job_hash);
   for (const auto& change : std::vector<std::function<void(AuthoredSurface&)>>{
-           [](AuthoredSurface& a) { a.uv_sets.at(0).uv(0, 0) += 0.25; },
-           [](AuthoredSurface& a) { a.uv_sets.at(0).name = "Print"; },
+           [](AuthoredSurface& a) { a.attributes.at(0).values(0, 0) += 0.25; },
+           [](AuthoredSurface& a) { a.attributes.at(0).name = "Print"; },
+           [](AuthoredSurface& a) {
+             a.attributes.push_back(
+                 {"Wear", AttributeKind::number, AttributeValues::Zero(3 * a.triangles.rows(), 1)});
+           },
            [](AuthoredSurface& a) { a.properties["title"] = std::string("Daily"); },
            [](AuthoredSurface& a) {
              a.materials = {"print"};

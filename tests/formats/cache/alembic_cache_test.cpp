@@ -133,6 +133,46 @@ TEST_F(AlembicCacheTest, ANewMeshStoresItsFacesAndUvOnce) {
   EXPECT_EQ(cache_of(frames).size() - cut, cost_of_positions(21 * 21));
 }
 
+TEST_F(AlembicCacheTest, AttributesAreParametersOfTheirTypeAndStoredOnce) {
+  const auto with = [](const std::vector<MeshSurface::Attribute>& attributes, int frames) {
+    std::vector<CacheFrame> all = rising(frames, 1);
+    MeshSurface surface;
+    surface.attributes = attributes;
+    const auto shared = std::make_shared<const MeshSurface>(surface);
+    for (CacheFrame& frame : all) {
+      frame.surface = shared;
+      frame.uv.resize(0, 2);  // only the attributes belong to corners
+    }
+    return all;
+  };
+  const auto metadata = [&](AttributeKind kind, int width) {
+    const std::string bytes = cache_of(
+        with({{"dye", kind, AttributeValues::Constant(1, width, 0.5), Triangles::Zero(2, 3)}}, 1));
+    std::vector<std::string> found;
+    for (std::size_t at = 0; (at = bytes.find("arrayExtent=", at)) != std::string::npos; ++at) {
+      const std::string text = bytes.substr(at, bytes.find("float32_t", at) - at);
+      if (text.find("fvr") != std::string::npos) found.push_back(text);
+    }
+    return found.empty() ? std::string() : found.front();
+  };
+  const auto expected = [](int list, const std::string& means, int extent) {
+    return "arrayExtent=" + std::to_string(list) + ";geoScope=fvr" +
+           (means.empty() ? "" : ";interpretation=" + means) +
+           ";isGeomParam=true;podExtent=" + std::to_string(extent) + ";podName=";
+  };
+  EXPECT_EQ(metadata(AttributeKind::colour, 3), expected(1, "rgb", 3));
+  EXPECT_EQ(metadata(AttributeKind::colour, 4), expected(1, "rgba", 4));
+  EXPECT_EQ(metadata(AttributeKind::number, 1), expected(1, "", 1));
+  EXPECT_EQ(metadata(AttributeKind::number, 2), expected(2, "", 1)) << "no V2f, which is a uv set";
+  EXPECT_EQ(metadata(AttributeKind::number, 3), expected(1, "vector", 3));
+  EXPECT_EQ(metadata(AttributeKind::number, 4), expected(4, "", 1));
+  MeshSurface::Attribute dye{"dye", AttributeKind::colour, AttributeValues::Random(6, 4),
+                             (Triangles(2, 3) << 0, 1, 2, 3, 4, 5).finished()};
+  EXPECT_EQ(cache_of(with({dye}, 9)).size() - cache_of(with({dye}, 8)).size(),
+            cache_of(with({}, 9)).size() - cache_of(with({}, 8)).size())
+      << "what does not change costs nothing per frame";
+}
+
 TEST_F(AlembicCacheTest, TheContentHashIsThatOfTheYUpPositions) {
   CacheFrame point;
   point.x.resize(1, 3);

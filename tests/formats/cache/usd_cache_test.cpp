@@ -82,7 +82,8 @@ TEST(UsdCache, NamesThatBecomeTheSameIdentifierStayApart) {
   surface.materials = {"Paper.001", "Paper_001", "\u8868", "\u88cf"};
   surface.material_of = {0, 1, 2, 3};
   for (const char* name : {"st", "st", "foldPeak", "map.1", "map_1"})
-    surface.uv_sets.push_back({name, Points2::Zero(1, 2), Triangles::Zero(4, 3)});
+    surface.attributes.push_back(
+        {name, AttributeKind::uv, AttributeValues::Zero(1, 2), Triangles::Zero(4, 3)});
   surface.properties = {{"shot.name", std::string("a")}, {"shot_name", 2.0}};
   frame.surface = std::make_shared<MeshSurface>(surface);
   const fs::path path = test::own_folder() / "names.usda";
@@ -100,6 +101,35 @@ TEST(UsdCache, NamesThatBecomeTheSameIdentifierStayApart) {
             std::vector<std::string>{"shot_name"});
   EXPECT_EQ(names_after(text, "custom double userProperties:", " "),
             std::vector<std::string>{"shot_name_2"});
+}
+
+TEST(UsdCache, AttributesHaveTheTypeOfTheirNumbers) {
+  CacheFrame frame = strip(2, 0);
+  frame.uv = Points2::Zero(frame.x.rows(), 2);
+  MeshSurface surface;
+  const auto add = [&](const char* name, AttributeKind kind, int width) {
+    surface.attributes.push_back(
+        {name, kind, AttributeValues::Constant(1, width, 0.5), Triangles::Zero(4, 3)});
+  };
+  add("Dye", AttributeKind::colour, 4);
+  add("Tint", AttributeKind::colour, 3);
+  for (int width = 1; width <= 4; ++width)
+    add(("n" + std::to_string(width)).c_str(), AttributeKind::number, width);
+  frame.surface = std::make_shared<MeshSurface>(surface);
+  const fs::path path = test::own_folder() / "attributes.usda";
+  UsdWriter writer(path, UsdEncoding::text, {}, {"paper"});
+  writer.add_frame(0, frame);
+  writer.finish();
+  const std::string text = read_file(path).value_or("");
+  for (const char* line :
+       {"color4f[] primvars:Dye = [(0.5, 0.5, 0.5, 0.5)]",
+        "color3f[] primvars:Tint = [(0.5, 0.5, 0.5)]", "float[] primvars:n1 = [0.5]",
+        "float2[] primvars:n2 = [(0.5, 0.5)]", "float3[] primvars:n3 = [(0.5, 0.5, 0.5)]",
+        "float4[] primvars:n4 = [(0.5, 0.5, 0.5, 0.5)]"})
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  EXPECT_EQ(names_after(text, "texCoord2f[] primvars:", " "),
+            (std::vector<std::string>{"pattern", "st"}))
+      << "there is no uv set: the pattern is it";
 }
 
 TEST(UsdCache, WithoutAnEndThereIsNoFile) {

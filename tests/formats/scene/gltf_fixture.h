@@ -16,6 +16,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace paperbake::test {
@@ -59,10 +60,24 @@ class GltfFixture {
     for (const Vector2d& p : mesh.uv) uv.insert(uv.end(), {float(p.x()), float(1 - p.y())});
     std::string attributes = fmt::format(R"("POSITION":{})", floats(x, "VEC3", 3));
     if (!uv.empty()) attributes += fmt::format(R"(,"TEXCOORD_0":{})", floats(uv, "VEC2", 2));
+    attributes += std::exchange(attributes_, "");
     meshes_.push_back(
         fmt::format(R"({{"name":"{}","primitives":[{{"attributes":{{{}}},"indices":{}}}]}})", name,
                     attributes, indices(mesh.corners)));
     return node(name, Vector3d::Zero(), extras, fmt::format(R"("mesh":{},)", meshes_.size() - 1));
+  }
+
+  /// Gives the next mesh another attribute.
+  /// component  5121 for bytes, 5123 for shorts, 5126 for floats
+  /// values     width numbers for each vertex
+  /// members    further members of the accessor's JSON, each after a comma
+  template <class Number>
+  void attribute(const std::string& semantic, int component, std::size_t width,
+                 const std::vector<Number>& values, const std::string& members = "") {
+    const std::string type = width == 1 ? "SCALAR" : fmt::format("VEC{}", width);
+    attributes_ += fmt::format(R"(,"{}":{})", semantic,
+                               accessor(values.data(), values.size() * sizeof(Number), component,
+                                        values.size() / width, type.c_str(), members));
   }
 
   /// A mesh of lines without faces. corners: two per line
@@ -151,12 +166,12 @@ class GltfFixture {
     return accessor(values.data(), values.size() * 4, 5125, values.size(), "SCALAR");
   }
   int accessor(const void* data, std::size_t size, int component, std::size_t count,
-               const char* type) {
+               const char* type, const std::string& members = "") {
     views_.push_back(
         fmt::format(R"({{"buffer":0,"byteOffset":{},"byteLength":{}}})", bytes_.size(), size));
     accessors_.push_back(
-        fmt::format(R"({{"bufferView":{},"componentType":{},"count":{},"type":"{}"}})",
-                    views_.size() - 1, component, count, type));
+        fmt::format(R"({{"bufferView":{},"componentType":{},"count":{},"type":"{}"{}}})",
+                    views_.size() - 1, component, count, type, members));
     bytes_.append(static_cast<const char*>(data), size);
     return static_cast<int>(accessors_.size()) - 1;
   }
@@ -175,7 +190,7 @@ class GltfFixture {
     return text;
   }
 
-  std::string bytes_;
+  std::string bytes_, attributes_;
   std::vector<std::string> nodes_, meshes_, animations_, accessors_, views_;
   std::vector<int> roots_;
 };

@@ -14,11 +14,17 @@ namespace paperbake {
 namespace {
 
 ImportResult held_sheet() {
-  return {import_in_process(
-              test::HeldSheet(test::grid(2, 2, 0.2, 0.2),
-                              R"({"paper_gsm":80,"paper_preset":"copy90","paper_size":[0.2,0.2]})")
-                  .write("message.gltf")),
-          "", "", ""};
+  ImportResult result{
+      import_in_process(
+          test::HeldSheet(test::grid(2, 2, 0.2, 0.2),
+                          R"({"paper_gsm":80,"paper_preset":"copy90","paper_size":[0.2,0.2]})")
+              .write("message.gltf")),
+      "", "", ""};
+  result.file.meshes[0].attributes.push_back(
+      {"Dye", AttributeKind::colour, AttributeValues::Constant(9, 4, 0.25)});
+  result.file.meshes[0].attributes.push_back(
+      {"Wear", AttributeKind::number, AttributeValues::Constant(9, 1, 7)});
+  return result;
 }
 
 TEST(ImportSerialization, RestoresWhatWasWritten) {
@@ -34,6 +40,14 @@ TEST(ImportSerialization, RestoresWhatWasWritten) {
   ASSERT_EQ(result.file.nodes[0].properties.size(), 3u);  // a number, a text, a list
   EXPECT_TRUE(back.file.meshes.at(0).x == result.file.meshes[0].x &&
               back.file.meshes[0].triangles == result.file.meshes[0].triangles);
+  ASSERT_EQ(back.file.meshes[0].attributes.size(), 3u);
+  for (std::size_t n = 0; n < 3; ++n) {
+    const AuthoredAttribute &a = back.file.meshes[0].attributes[n],
+                            &b = result.file.meshes[0].attributes[n];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_TRUE(same_entries(a.values, b.values));
+  }
   ASSERT_EQ(back.file.takes.at(0).motions.count(2), 1u);
   EXPECT_EQ(back.file.takes[0].motions.at(2).translation.keys.size(), 2u);
   EXPECT_EQ(serialize(back), serialize(result));
@@ -62,8 +76,19 @@ TEST(ImportSerialization, InvalidContentIsRefused) {
   EXPECT_TRUE(refused([](ImportedFile& f) { f.nodes[1].local(0, 3) = NAN; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].triangles(0, 0) = 9; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].x(0, 0) = INFINITY; }));
-  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].uv_sets[0].uv.conservativeResize(8, 2); }));
+  EXPECT_TRUE(
+      refused([](ImportedFile& f) { f.meshes[0].attributes[0].values.conservativeResize(8, 2); }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].material_of = {0}; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].attributes[1].values(3, 2) = NAN; }));
+  EXPECT_TRUE(
+      refused([](ImportedFile& f) { f.meshes[0].attributes[2].values = AttributeValues(); }));
+  EXPECT_TRUE(refused([](ImportedFile& f) {
+    f.meshes[0].attributes[2].kind = AttributeKind::colour;
+  })) << "of one number";
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].attributes[2].kind = AttributeKind(3); }));
+  EXPECT_TRUE(refused([](ImportedFile& f) {
+    std::swap(f.meshes[0].attributes[0], f.meshes[0].attributes[1]);  // the uv set comes first
+  }));
   EXPECT_TRUE(refused([](ImportedFile& f) {
     f.meshes[0].material_of.assign(f.meshes[0].triangles.rows(), 0);  // there is none
   }));

@@ -236,12 +236,13 @@ TEST(SceneFile, UvSetsAndCustomPropertiesOfTheSheetAreRead) {
                        R"({"paper_uv_sets":"Print","title":"Daily","edition":3,"paper_gsm":80})");
   const Scene scene = read_scene(held.write("printed.gltf"));
   const AuthoredSurface& authored = scene.sheets.at(0).authored;
-  ASSERT_EQ(authored.uv_sets.size(), 1u);
-  EXPECT_EQ(authored.uv_sets[0].name, "Print");
-  ASSERT_EQ(authored.uv_sets[0].uv.rows(), 3 * authored.triangles.rows());
+  ASSERT_EQ(authored.attributes.size(), 1u);
+  EXPECT_EQ(authored.attributes[0].name, "Print");
+  EXPECT_EQ(authored.attributes[0].kind, AttributeKind::uv);
+  ASSERT_EQ(authored.attributes[0].values.rows(), 3 * authored.triangles.rows());
   for (Eigen::Index t = 0; t < authored.triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k)
-      EXPECT_LT((authored.uv_sets[0].uv.row(3 * t + k) -
+      EXPECT_LT((authored.attributes[0].values.row(3 * t + k) -
                  authored.pattern.row(authored.triangles(t, k)) / 0.2)
                     .norm(),
                 1e-6);
