@@ -280,7 +280,7 @@ std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
   Cloud cloud;
   cloud.polygons = coarse_border(pattern, edge, border, snap);
   // a coarsened border misses the required points on it, or cuts off those close to it: move them
-  // onto the polygon; beside one of its corners, to the corner, or there would be a tiny edge
+  // onto the polygon; points beside one of its corners to the corner, or there would be a tiny edge
   std::vector<Vector2d> required = points;
   const std::vector<Vector2d> stops = crease_points(pattern.prescribed_creases);
   required.insert(required.end(), stops.begin(), stops.end());
@@ -289,8 +289,9 @@ std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
     const bool beside =
         (nearest_border_point(pattern, p) - p).norm() <= snap || !contains(cloud.polygons, p);
     if (beside && (onto - p).norm() <= 0.03 * edge) p = onto;
-    p = corner_beside(cloud.polygons, p, 0.01 * edge).value_or(p);
   }
+  for (std::size_t k = 0; k < points.size(); ++k)
+    required[k] = corner_beside(cloud.polygons, required[k], 0.01 * edge).value_or(required[k]);
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
   required.resize(points.size());
