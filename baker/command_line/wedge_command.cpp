@@ -67,6 +67,9 @@ int run_wedge(const WedgeArguments& parsed, const std::vector<std::string>& argu
     return 0;
   }
   const WedgeOutcome outcome = bake_wedge(wedge, parsed.jobs, arguments, is_stop_asked);
+  const bool is_read =
+      settings.progress == ProgressMode::automatic || settings.progress == ProgressMode::plain;
+  if (is_read && !outcome.table.empty()) say_line(outcome.table);
   for (const auto& file : outcome.files) list_line(file.string());
   return outcome.exit_code;
 }

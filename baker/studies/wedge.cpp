@@ -175,6 +175,33 @@ std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
   return text + "\n";
 }
 
+/// The same to be read: numbers with four digits, columns below each other.
+std::string table_text(const Wedge& wedge, const std::vector<Json>& records) {
+  const auto shown = [](const Json& value) {
+    if (value.is_null()) return std::string("-");
+    return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : cell_text(value);
+  };
+  std::vector<std::vector<std::string>> columns{{"folder"}};
+  for (const Axis& axis : wedge.axes) columns.push_back({axis.key});
+  columns.push_back({"exit_code"});
+  for (const std::string& name : result_columns()) columns.push_back({name});
+  for (const Json& record : records) {
+    auto column = columns.begin();
+    (column++)->push_back(shown(record["folder"]));
+    for (const Axis& axis : wedge.axes) (column++)->push_back(shown(record["values"][axis.key]));
+    (column++)->push_back(shown(record["exit_code"]));
+    for (const std::string& name : result_columns()) (column++)->push_back(shown(record[name]));
+  }
+  std::vector<std::string> lines(records.size() + 1);
+  for (const std::vector<std::string>& column : columns) {
+    std::size_t width = 0;
+    for (const std::string& text : column) width = std::max(width, text.size());
+    for (std::size_t k = 0; k < column.size(); ++k)
+      lines[k] += fmt::format("{}{:>{}}", lines[k].empty() ? "" : "  ", column[k], width);
+  }
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
 std::string table_json(const Wedge& wedge, const std::vector<Json>& records) {
   Json keys = Json::array();
   for (const Axis& axis : wedge.axes) keys.push_back(axis.key);
@@ -327,6 +354,7 @@ WedgeOutcome finish_wedge(const Wedge& wedge) {
   const fs::path csv = wedge.output / "wedge.csv", json = wedge.output / "wedge.json",
                  png = wedge.output / "wedge.png";
   outcome.files = {csv, json, png};
+  outcome.table = table_text(wedge, records);
   const std::string table = table_csv(wedge, records), text = table_json(wedge, records);
   if (fs::is_regular_file(png) && text_of(csv) == table && text_of(json) == text) return outcome;
   write_atomically(csv, table);

@@ -47,6 +47,7 @@ struct WedgeOutcome {
   // 0: so did all; 4: gates were missed; else the largest of the others
   int exit_code = 0;
   std::vector<std::filesystem::path> files;  // wedge.csv, wedge.json, wedge.png
+  std::string table;                         // as in wedge.csv, to be read on a terminal
 };
 
 /// When every variation came to an end: wedge.csv, wedge.json (index, values, exit code, mean

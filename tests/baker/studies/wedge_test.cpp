@@ -13,8 +13,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <iomanip>
 #include <map>
 #include <set>
+#include <sstream>
 #include <sys/file.h>
 
 namespace paperbake {
@@ -176,6 +178,27 @@ TEST_F(WedgeTest, EachVariationIsTheBakeThatItsWordsAskFor) {
             Json::parse(lines_of(read(out("0003/cert/frames.jsonl"))).back())["energy_J"]);
   EXPECT_NE(json["variations"][0]["job_hash"], third["job_hash"]);
   EXPECT_EQ(read(out("wedge.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(WedgeTest, TheTableIsShownWhereProgressIs) {
+  const Words varied{"--vary", "seed=1..2", "--vary", "preset=copy70,copy90"};
+  Words shown = varied;
+  shown.insert(shown.end(), {"--progress", "plain"});
+  EXPECT_EQ(wedge(varied).err.find("exit_code"), std::string::npos);
+  const std::vector<std::string> lines = lines_of(wedge(shown).err);
+  const auto head = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
+    return line.rfind("folder", 0) == 0;
+  });
+  ASSERT_EQ(lines.end() - head, 5);
+  for (int row = 1; row <= 4; ++row) EXPECT_EQ(head[row].size(), head[0].size()) << head[row];
+  const Json third = Json::parse(read(out("wedge.json")))["variations"][2];
+  std::istringstream row(head[3]);
+  std::string folder_name, seed, preset;
+  row >> folder_name >> seed >> preset;
+  EXPECT_EQ(folder_name + " " + seed + " " + preset, "0003 2 copy70");
+  std::ostringstream energy;
+  energy << std::setprecision(4) << third["energy_J"].get<double>();
+  EXPECT_NE(head[3].find(energy.str()), std::string::npos) << head[3] << energy.str();
 }
 
 TEST_F(WedgeTest, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
