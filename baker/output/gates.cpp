@@ -183,13 +183,16 @@ std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
   const Jam* worst = worst_jam(f);
   if (!worst) return "";
   const std::string touches = what_touches(f, plan);
-  return fmt::format(
-      " (\"{}\" is {})", worst->handle,
-      is_out_of_reach(f, plan) ? "keyed beyond the reach of the paper"
-      : !touches.empty()       ? "jammed; the sheet touches " + touches
-      : has_start_fault(plan, f.sheet)
-          ? "jammed"
-          : "jammed, though nothing touches the sheet: its mesh does not fold any farther");
+  const auto why = [&]() -> std::string {
+    if (is_out_of_reach(f, plan)) return "keyed beyond the reach of the paper";
+    if (!touches.empty()) return "jammed; the sheet touches " + touches;
+    if (has_start_fault(plan, f.sheet)) return "jammed";
+    if (f.statistics.inertia && f.statistics.singular == 0)
+      return "too weak: the sheet is pulled off it by its weight, its speed or the air, because a "
+             "handle holds with no more than 3 N";
+    return "jammed, though nothing touches the sheet: its mesh does not fold any farther";
+  };
+  return fmt::format(" (\"{}\" is {})", worst->handle, why());
 }
 
 /// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.

@@ -188,5 +188,19 @@ TEST(Gates, EveryMissedGateHasAnAdvice) {
   }));
 }
 
+TEST(Gates, WhatPullsASheetOffAHandleIsTold) {
+  FrameRecord bad = rendered(5);
+  bad.statistics.handle_error_max = 0.039;
+  bad.jammed = {{"handle.post", 39}};
+  const auto says = [&](const char* what) {
+    return missed_gates({}, {bad}, {})[0].sentence.find(what) != std::string::npos;
+  };
+  EXPECT_TRUE(says("does not fold any farther"));
+  bad.statistics.inertia = true;
+  EXPECT_TRUE(says("\"handle.post\" is too weak"));
+  bad.statistics.singular = 3;
+  EXPECT_TRUE(says("does not fold any farther"));
+}
+
 }  // namespace
 }  // namespace paperbake
