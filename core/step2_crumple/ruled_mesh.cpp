@@ -26,7 +26,11 @@ constexpr double barely_longer = 0.1;  // [1] of a part: a ruling is not divided
 // the discs that no ruling enters, where the mesh stays finer
 constexpr double clear = 0.6, clear_in_disc = 0.4;
 constexpr double beside_ruling = 0.75;  // [1] of this distance: from the line of a ruling
-constexpr double needle = 0.03;         // [h] a triangle of less altitude is one; no mesh has any
+// [1] of the least altitude of the base mesh: another triangle of the same points may be narrower
+constexpr double as_narrow = 0.5;
+// [h] a triangle of less altitude is a needle; no mesh has any, unless required points stand so
+// near to each other or to the border that the base mesh has some, too
+constexpr double needle = 0.03;
 
 double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - a).dot(b - a) / (b - a).squaredNorm();
@@ -250,13 +254,12 @@ class Builder {
   std::vector<std::pair<int, int>> legs_, pieces_;
 };
 
-/// Smallest altitude of a triangle of the mesh. [m]
-double min_altitude(const RuledMesh& mesh) {
+/// Smallest altitude of a triangle of a mesh. [m]
+double min_altitude(const Points2& pattern, const Triangles& triangles) {
   double least = std::numeric_limits<double>::infinity();
-  for (int t = 0; t < mesh.triangles.rows(); ++t) {
-    const Vector2d a = mesh.pattern.row(mesh.triangles(t, 0)),
-                   b = mesh.pattern.row(mesh.triangles(t, 1)),
-                   c = mesh.pattern.row(mesh.triangles(t, 2));
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d a = pattern.row(triangles(t, 0)), b = pattern.row(triangles(t, 1)),
+                   c = pattern.row(triangles(t, 2));
     least = std::min(
         least, cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
   }
@@ -289,6 +292,7 @@ BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
   for (int v = 0; v < pattern.rows(); ++v)
     if (!outside[v]) base.inner.push_back(pattern.row(v));
   base.h = mean_edge(pattern, triangles);
+  base.least_altitude = min_altitude(pattern, triangles);
   base.triangles = static_cast<int>(triangles.rows());
   return base;
 }
@@ -303,7 +307,9 @@ std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vect
   builder.add_rulings(rulings);
   builder.fill(keep_out_discs);
   auto mesh = builder.triangulate();
-  if (!mesh || min_altitude(*mesh) < needle * base.h) return std::nullopt;
+  if (!mesh || min_altitude(mesh->pattern, mesh->triangles) <
+                   std::min(needle * base.h, as_narrow * base.least_altitude))
+    return std::nullopt;
   return mesh;
 }
 

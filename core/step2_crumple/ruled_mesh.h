@@ -12,6 +12,7 @@ struct BaseMesh {
   Pattern polygons;             // [m] the border, reduced to its corners
   std::vector<Vector2d> inner;  // [m] vertices in the interior
   double h = 0;                 // [m] mean edge length
+  double least_altitude = 0;    // [m] of its triangles
   int triangles = 0;            // number of triangles
 };
 BaseMesh base_mesh(const Points2& pattern, const Triangles&);
@@ -29,7 +30,7 @@ struct RuledMesh {
 /// singular        [m] singular points
 /// keep_out_discs  where all points of the base mesh stay
 /// returns         nothing when there is no sound mesh: edges would cross, or a triangle would be
-///                 a needle
+///                 a needle, narrower than those of the base mesh
 std::optional<RuledMesh> ruled_mesh(const BaseMesh&, const std::vector<Vector2d>& required,
                                     const std::vector<Vector2d>& singular,
                                     const std::vector<Ruling>&,

@@ -121,6 +121,24 @@ TEST(RuledMeshTest, EdgesFollowTheRulings) {
   EXPECT_EQ(whole, int(ruled.rulings.size()));
 }
 
+TEST(RuledMeshTest, PointsBesideTheBorderDoNotForbidRulings) {
+  // the rim of a finger that holds a corner of the sheet is nearer to the border than any other
+  // vertex
+  const std::vector<Vector2d> required{{0.01, 0.01}, {0.015, 0.0006}, {0.005, 0.0006}};
+  const PatternMesh first = mesh_pattern_with(test::rectangle(0.2, 0.2), 120, required);
+  const BaseMesh base = base_mesh(first.vertices, first.triangles);
+  ASSERT_LT(base.least_altitude, 0.03 * base.h) << "a needle that no mesh can do without";
+  const RulingOptions options;
+  const Ruling ruling{{0.1, 0}, {0.1, 0.2}};
+  const auto mesh = ruled_mesh(base, required, {}, {ruling}, {}, options);
+  ASSERT_TRUE(mesh);
+  EXPECT_NEAR(covered(*mesh, ruling, 1e-9), 1, 1e-9);
+  // a worse one is still refused
+  std::vector<Vector2d> worse = required;
+  worse.emplace_back(0.1, 0.1999);
+  EXPECT_FALSE(ruled_mesh(base, worse, {}, {{{0, 0.1}, {0.2, 0.1}}}, {}, options));
+}
+
 TEST(RuledMeshTest, OneOfTwoRulingsThatCrossIsLeftOut) {
   Ruled ruled = rule(0.06);
   const std::vector<Ruling> crossed{{{0.02, 0.0}, {0.08, 0.1}, 10, 0},
