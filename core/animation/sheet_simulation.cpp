@@ -71,8 +71,8 @@ bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
   });
 }
 
-/// A sentence on handles that give way although the sheet does not touch itself, because a collider
-/// is in its way; empty: none does.
+/// A sentence on handles that give way while the sheet touches a collider, and not itself; empty:
+/// none does.
 std::string note_of_jammed(const std::vector<HandleFrame>& handles) {
   int jammed = 0;
   double most = 0;
@@ -83,7 +83,7 @@ std::string note_of_jammed(const std::vector<HandleFrame>& handles) {
     }
   if (jammed == 0) return "";
   char note[120];
-  std::snprintf(note, sizeof note, "a collider is in the way: %d %s, by up to %.1f mm", jammed,
+  std::snprintf(note, sizeof note, "it touches a collider, and %d %s, by up to %.1f mm", jammed,
                 jammed == 1 ? "handle gives way" : "handles give way", 1e3 * most);
   return note;
 }
