@@ -14,6 +14,7 @@ from . import names
 BLENDERS_OWN = {"position", "sharp_face", "sharp_edge", "material_index", "crease_edge", "crease_vert", "bevel_weight_edge", "bevel_weight_vert",
                 "custom_normal", "freestyle_edge", "freestyle_face", "uv_seam", "id"}  # attributes that Blender makes, or that are read otherwise
 OF_CACHE = {"crease", "pattern", "velocity"}  # what the paper has besides
+OF_USD = {"st", "normals", "displayColor", "displayOpacity"}  # and what is taken in USD alone
 TEMPORARY = "_PAPERBAKE"
 SENT_AS = {"FLOAT": ("FLOAT", "value", 1), "INT": ("FLOAT", "value", 1), "INT8": ("FLOAT", "value", 1), "BOOLEAN": ("FLOAT", "value", 1),
            "FLOAT2": ("FLOAT2", "vector", 2), "FLOAT_VECTOR": ("FLOAT_VECTOR", "vector", 3),
@@ -158,9 +159,10 @@ def dress(thing, sheet, given):
         same = corners == others
     for one in carried(sheet):
         name = f"{one.name}_2" if one.name in OF_CACHE else one.name
-        source = given.attributes.get(names.in_usd(name)) if same else None
+        in_usd = names.in_usd(name)
+        source = given.attributes.get(f"{in_usd}_2" if in_usd in OF_USD else in_usd) if same else None
         _, member, width = SENT_AS[one.type]
-        if source is None or source.domain != "CORNER":
+        if source is None or source.domain != "CORNER" or not (len(source.data) and hasattr(source.data[0], member)):
             missing.append(one.name)
             continue
         values = of_domain(numbers(source.data, member, width), width, corners, domain_on_paper(one), mesh)

@@ -3,7 +3,6 @@
 #include "baker/check/inspect_colliders.h"
 #include "baker/job/plan.h"
 #include "baker/job/plan_warnings.h"
-#include "core/animation/known_handles.h"
 #include "core/animation/obstructed_paths.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
@@ -52,9 +51,8 @@ std::vector<CreaseLine> creases_of(const SceneSheet& sheet, const Scene& scene) 
 std::vector<UnreachablePairOfSheet> impossible_pairs(const Scene& scene) {
   std::vector<UnreachablePairOfSheet> all;
   for (const SceneSheet& sheet : scene.sheets)
-    for (UnreachablePair& pair : all_impossible_pairs(
-             sheet.pattern, with_known_places(sheet.handles, sheet.start, scene.first_frame),
-             scene.first_frame, scene.last_frame))
+    for (UnreachablePair& pair :
+         all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
 }

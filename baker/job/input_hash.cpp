@@ -1,6 +1,7 @@
 #include "baker/job/input_hash.h"
 
 #include "baker/job/version.h"
+#include "core/animation/folding_hands.h"
 #include "core/geometry/collider.h"
 #include "formats/cache/content_hash.h"
 
@@ -38,6 +39,16 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
     bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame,
                          handle.release_frame, handle.radius.value_or(-1), handle.stiffness);
     append_bytes(bytes, handle.pattern);
+  }
+  for (const FoldingHands& hands : shot.hands) {
+    const auto add = [&](const Segment2& part) {
+      append_bytes(bytes, part.a), append_bytes(bytes, part.b);
+    };
+    bytes += "hands";
+    add(hands.line);
+    for (const Segment2& part : hands.parts) add(part);
+    append_bytes(bytes, hands.between);
+    if (hands.beyond) bytes += fmt::format("beyond/{}/{}", hands.beyond->own, hands.beyond->others);
   }
   if (shot.colliders)
     for (const Collider& collider : *shot.colliders) {
@@ -98,6 +109,9 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
       append_bytes(bytes, keyed_position(handle, frame - first_frame));
       bytes += handle.held(frame) ? 'h' : 'f';
     }
+    // what hands press may depend on later keys
+    for (const FoldingHands& hands : shot.hands)
+      bytes += fmt::format("{}/", turn_at(hands.turn, std::max(0, frame - first_frame)));
     if (shot.colliders)
       for (const Collider& collider : *shot.colliders)
         if (const auto& frames = collider.frames(); !frames.empty())

@@ -1,7 +1,6 @@
 #include "baker/job/plan_warnings.h"
 
 #include "baker/job/method_choice.h"
-#include "core/animation/known_handles.h"
 #include "core/animation/obstructed_paths.h"
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
@@ -43,8 +42,7 @@ std::string describe(const UnreachablePairOfSheet& impossible) {
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
   for (const Shot& shot : plan.shots)
     for (UnreachablePair& pair : all_impossible_pairs(
-             shot.pattern, with_known_places(shot.handles, shot.start, plan.animation.first_frame),
-             plan.animation.first_frame, plan.animation.last_frame))
+             shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   if (!settings.strict || plan.impossible.empty()) return;
   const UnreachablePair& pair = plan.impossible.front().pair;

@@ -188,8 +188,8 @@ std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
     if (!touches.empty()) return "jammed; the sheet touches " + touches;
     if (has_start_fault(plan, f.sheet)) return "jammed";
     if (f.statistics.inertia && f.statistics.singular == 0)
-      return "too weak: the sheet is pulled off it by its weight, its speed or the air, because a "
-             "handle holds with no more than 3 N";
+      return "behind, though nothing touches the sheet: its weight, its speed or the air may be "
+             "too strong for the hand, which gives way rather than tear the paper";
     return "jammed, though nothing touches the sheet: its mesh does not fold any farther";
   };
   return fmt::format(" (\"{}\" is {})", worst->handle, why());

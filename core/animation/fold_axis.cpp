@@ -42,7 +42,7 @@ class FoldAxisSearch {
       if (turns.back()) largest = std::max(largest, std::abs(turns.back()->angle));
     }
     const double sign = -beyond;
-    double most = 0;
+    double most = 0, most_of_way = 0;  // [rad]
     line->turn.assign(clamps_.rows(), std::numeric_limits<double>::quiet_NaN());
     double last = 0;
     Way way, way_to_most;
@@ -54,8 +54,8 @@ class FoldAxisSearch {
       if (!is_flat) continue;
       line->turn[row] = last =
           sign * turn->angle + 2 * M_PI * std::round((last - sign * turn->angle) / (2 * M_PI));
-      if (std::abs(last) > (1 + no_more) * most) way_to_most = way;
       most = std::max(most, std::abs(last));
+      if (most > (1 + no_more) * most_of_way) way_to_most = way, most_of_way = most;
     }
     return most < min_fold_turn || !way_to_most.is_about_the_line() ? std::nullopt : line;
   }

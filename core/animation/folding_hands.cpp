@@ -20,7 +20,7 @@ double facing(const std::vector<FoldingHands>& all, const FoldingHands& hands, c
   double sign = 1;
   for (const FoldingHands& others : all)
     if (&others != &hands && !others.beyond && std::cos(turn_at(others.turn, begin)) < 0 &&
-        cross_each_other({hands.between, p}, others.line))
+        crosses({hands.between, p}, others.line))
       sign = -sign;
   return sign;
 }

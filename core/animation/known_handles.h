@@ -6,9 +6,10 @@
 
 namespace paperbake {
 
-/// The handles, with those relative ones made absolute of which it is known before the first frame
-/// where they take hold: the sheet still lies as it began, because no handle that holds it has
-/// moved until then. The others stay relative.
+/// The handles, with those relative ones made absolute that take hold while no handle has moved the
+/// sheet yet: it is taken to lie as it began. The others stay relative. A sheet that falls, or that
+/// a collider moves, may have gone elsewhere before: this is good enough to expect a fold, and not
+/// to say what is impossible.
 ///
 /// start        the sheet at the first frame
 /// first_frame  frame of row 0 of Handle::keyed

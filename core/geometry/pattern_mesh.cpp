@@ -290,8 +290,12 @@ std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
         (nearest_border_point(pattern, p) - p).norm() <= snap || !contains(cloud.polygons, p);
     if (beside && (onto - p).norm() <= 0.03 * edge) p = onto;
   }
-  for (std::size_t k = 0; k < points.size(); ++k)
-    required[k] = corner_beside(cloud.polygons, required[k], 0.01 * edge).value_or(required[k]);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    Vector2d& p = required[k];
+    const auto is_same = [&](const Vector2d& stop) { return (stop - p).norm() <= snap; };
+    if (std::none_of(stops.begin(), stops.end(), is_same))
+      p = corner_beside(cloud.polygons, p, 1e-3 * edge).value_or(p);
+  }
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
   required.resize(points.size());

@@ -43,8 +43,8 @@ inline bool separates(const Segment2& line, const Vector2d& p, const Vector2d& q
   return cross(along, p - line.a) * cross(along, q - line.a) < 0;
 }
 
-/// Whether two segments have a point of their insides in common.
-inline bool cross_each_other(const Segment2& one, const Segment2& two) {
+/// Whether two segments cross, both within their ends.
+inline bool crosses(const Segment2& one, const Segment2& two) {
   return separates(one, two.a, two.b) && separates(two, one.a, one.b);
 }
 

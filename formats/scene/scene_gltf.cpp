@@ -158,7 +158,7 @@ std::size_t width_of(const Json& accessor) {
   return vector && '2' <= type[3] && type[3] <= '4' ? static_cast<std::size_t>(type[3] - '0') : 0;
 }
 
-/// Reads the attribute that the file calls `semantic`.
+/// Reads the attribute that the file calls `semantic`; throws what it is refused with.
 /// width  numbers of a vertex
 AuthoredAttribute read_attribute(GltfFile& file, const Json& attributes,
                                  const std::string& semantic, std::size_t width,
@@ -175,7 +175,10 @@ AuthoredAttribute read_attribute(GltfFile& file, const Json& attributes,
 
 /// The uv sets, the colours, and what the artist has added under a name that begins with `_`. glTF
 /// has no names for the first two: these are those that Blender gives.
-std::vector<AuthoredAttribute> read_attributes(GltfFile& file, const Json& attributes) {
+/// left_out  gets a sentence for each that cannot be read
+std::vector<AuthoredAttribute> read_attributes(GltfFile& file, const Json& attributes,
+                                               Eigen::Index vertices,
+                                               std::vector<std::string>& left_out) {
   const Json& accessors = list(file.json(), "accessors");
   const auto width = [&](const std::string& semantic) {
     return width_of(accessors[index(attributes, semantic.c_str(), accessors.size())]);
@@ -190,19 +193,26 @@ std::vector<AuthoredAttribute> read_attributes(GltfFile& file, const Json& attri
     found.back().name = numbered("UVMap", n);
     found.back().values.col(1) = 1 - found.back().values.col(1).array();  // v counts downwards
   }
-  for (int n = 0; attributes.contains(fmt::format("COLOR_{}", n)); ++n) {
-    const std::string semantic = fmt::format("COLOR_{}", n);
-    if (width(semantic) < 3) refuse("the colour of a vertex has neither three nor four numbers");
-    found.push_back(
-        read_attribute(file, attributes, semantic, width(semantic), AttributeKind::colour));
-    found.back().name = numbered("Color", n);
-  }
-  for (const auto& [semantic, accessor] : attributes.items()) {
-    if (semantic.size() < 2 || semantic[0] != '_' || width(semantic) == 0) continue;
-    found.push_back(
-        read_attribute(file, attributes, semantic, width(semantic), AttributeKind::number));
-    found.back().name = semantic.substr(1);
-  }
+  // what is damaged here is left out: a scene may be simulated without it
+  const auto add = [&](const std::string& semantic, const std::string& name, AttributeKind kind) {
+    try {
+      const std::size_t numbers = width(semantic);
+      if (numbers == 0 || (kind == AttributeKind::colour && numbers < 3))
+        refuse("it has another number of values");
+      AuthoredAttribute attribute = read_attribute(file, attributes, semantic, numbers, kind);
+      if (attribute.values.rows() != vertices) refuse("it does not have a value for each vertex");
+      if (!attribute.values.allFinite()) refuse("a value is not a number");
+      found.push_back(std::move(attribute));
+      found.back().name = name;
+    } catch (const std::runtime_error& error) {
+      left_out.push_back(fmt::format("{} is left out: {}.", semantic, error.what()));
+    }
+  };
+  for (int n = 0; attributes.contains(fmt::format("COLOR_{}", n)); ++n)
+    add(fmt::format("COLOR_{}", n), numbered("Color", n), AttributeKind::colour);
+  for (const auto& [semantic, accessor] : attributes.items())
+    if (semantic.size() > 1 && semantic[0] == '_' && width(semantic) > 0)
+      add(semantic, semantic.substr(1), AttributeKind::number);
   return found;
 }
 
@@ -223,7 +233,10 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
   const std::vector<double> x = numbers("POSITION", 3);
   ImportedMesh copy;
   copy.x = Eigen::Map<const Points3>(x.data(), static_cast<Eigen::Index>(x.size() / 3), 3);
-  copy.attributes = read_attributes(file, attributes);
+  std::vector<std::string> left_out;
+  copy.attributes = read_attributes(file, attributes, copy.x.rows(), left_out);
+  for (const std::string& sentence : left_out)
+    result.warnings.push_back(fmt::format("{}: {}", place, sentence));
   bool finite = copy.x.allFinite();
   for (const AuthoredAttribute& attribute : copy.attributes) {
     if (attribute.values.rows() != copy.x.rows())

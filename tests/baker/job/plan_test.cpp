@@ -117,6 +117,19 @@ TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
   }
 }
 
+TEST(PlanTest, WhatHandsPressCountsInItsFrame) {
+  // it may depend on later keys
+  const BakePlan was = plan_of("F1_letter.glb", "hybrid", 100);
+  BakePlan other = was;
+  const int first = was.animation.first_frame;
+  other.shots.at(0).hands.at(0).turn.at(40) += 1e-3;
+  for (const int row : {39, 40, 41})
+    EXPECT_EQ(frame_input_hash("", other.shots, first + row, first) ==
+                  frame_input_hash("", was.shots, first + row, first),
+              row != 40)
+        << row;
+}
+
 TEST(PlanTest, EveryKeyOfTheSceneCountsForWhatLooksAheadToIt) {
   // as the decision between attempts at a shot does: a later take under the same name is another
   const BakePlan was = plan_of("S14_hands.glb", "hybrid", 10);

@@ -197,7 +197,7 @@ TEST(Gates, WhatPullsASheetOffAHandleIsTold) {
   };
   EXPECT_TRUE(says("does not fold any farther"));
   bad.statistics.inertia = true;
-  EXPECT_TRUE(says("\"handle.post\" is too weak"));
+  EXPECT_TRUE(says("\"handle.post\" is behind, though nothing touches the sheet: its weight"));
   bad.statistics.singular = 3;
   EXPECT_TRUE(says("does not fold any farther"));
 }

@@ -698,6 +698,24 @@ TEST(ExpectedCreasesTest, ARowThatRollsTheSheetUpDoesNotFoldIt) {
     EXPECT_TRUE(lines_of(rolled_up(angle, {{0.2, 0}, {0.2, 0.1}})).empty()) << angle;
 }
 
+TEST(ExpectedCreasesTest, WhetherHandsFoldDoesNotDependOnTheFrameRate) {
+  // bowed at first, exact from 35 degrees on
+  for (const int rows : {25, 121, 481}) {
+    Shot shot = held(test::rectangle(0.2, 0.1), {{{{0, 0}, {0, 0.1}, {0.05, 0.05}}, still}});
+    for (const Vector2d& p : {Vector2d(0.2, 0), Vector2d(0.2, 0.1), Vector2d(0.15, 0.05)}) {
+      Handle handle = test::bare_handle("flap", p, rows);
+      for (int f = 0; f < rows; ++f) {
+        const double turn = f / (rows - 1.0) * 178 * degrees,
+                     bow = 0.01 * std::max(0.0, 1 - turn / (35 * degrees));
+        handle.keyed.row(f) = turned(turn, {0.1, 0}, {0, -1}) * on_sheet(p);
+        handle.keyed(f, 0) -= bow;
+      }
+      shot.handles.push_back(handle);
+    }
+    EXPECT_EQ(lines_of(shot).size(), 1u) << rows;
+  }
+}
+
 TEST(ExpectedCreasesTest, AClampThatIsCarriedOverInALoopDoesNotFoldTheSheet) {
   // the paper is bowed all the way, and at its end the clamps lie flat on each other
   const Pattern page = test::rectangle(0.297, 0.210);

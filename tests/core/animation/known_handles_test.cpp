@@ -58,9 +58,26 @@ TEST(KnownHandlesTest, MotionBeforeAHandleTakesHoldMovesNothing) {
   for (const Handle& handle : known(shot)) EXPECT_EQ(handle.mode, HandleMode::absolute);
 }
 
+/// A handle that is keyed where the sheet lies, and goes up from a row on.
+Handle on_the_sheet(const Vector2d& p, int moves_from) {
+  Handle handle = test::bare_handle("handle", p, frames);
+  for (int f = 0; f < frames; ++f)
+    handle.keyed(f, 2) = 0.5 * p.x() + 0.01 * std::max(0, f - moves_from);
+  return handle;
+}
+
+TEST(KnownHandlesTest, AHandleThatIsKeyedElsewhereMovesTheSheetAtOnce) {
+  Handle elsewhere = on_the_sheet({0.05, 0.03}, frames);
+  elsewhere.keyed.col(2).array() += 0.1;
+  elsewhere.grab_frame = first_frame + 5;
+  for (const int grab : {4, 6}) {
+    const std::vector<Handle> handles = known(with({elsewhere, picked_up({0.15, 0.03}, grab, 12)}));
+    EXPECT_EQ(handles[1].mode, grab < 5 ? HandleMode::absolute : HandleMode::relative);
+  }
+}
+
 TEST(KnownHandlesTest, AbsoluteHandlesStayAsTheyAre) {
-  Handle moved = picked_up({0.05, 0.03}, 0, 1);
-  moved.mode = HandleMode::absolute;
+  const Handle moved = on_the_sheet({0.05, 0.03}, 1);
   const Shot shot = with({moved, picked_up({0.15, 0.03}, 1, 12), picked_up({0.1, 0.03}, 2, 12)});
   const std::vector<Handle> handles = known(shot);
   EXPECT_EQ(handles[0].keyed, moved.keyed);
