@@ -1,4 +1,4 @@
-"""Writes the fold scenes F1 to F9 beside itself, each as .glb, .fbx and .handles.csv.
+"""Writes the fold scenes F1 to F10 beside itself, each as .glb, .fbx and .handles.csv.
 
     python samples/folds.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -24,7 +24,7 @@ import bpy
 from mathutils import Matrix, Vector
 
 FPS = 24
-GSM, THICKNESS = 70.0, 9e-5  # g/m2, m: copy70
+COPY70, COPY80 = (70.0, 9e-5), (80.0, 1e-4)  # g/m2, m
 MM = 1e-3
 LAYER_GAP = 0.5 * MM  # layers that lie on each other, and paper on a collider, are not held nearer
 ROUNDING = 1e-6  # m; Blender and the files count in single precision
@@ -74,6 +74,7 @@ class Scene:
     hands: Tuple[Hand, ...]
     boxes: Tuple[Box, ...] = ()
     gravity: float = 0.0  # m/s2
+    paper: Tuple[float, float] = COPY70  # g/m2, m
     # [m] ends of the creases that are drawn on the flat sheet
     creases: Tuple[Tuple[Tuple[float, float], Tuple[float, float]], ...] = ()
 
@@ -358,7 +359,52 @@ def road_map():
         creases=(mm((width / 2, 0), (width / 2, height)), mm((0, height / 2), (width, height / 2))))
 
 
-SCENES = (letter, half, quarter, fan, corner, pinch, corners, wrap, road_map)
+def hat():
+    """A4 folded in half, and both corners of the folded edge turned down to the middle: a paper hat.
+
+    Six hands hold both layers in the middle and in the corners. The upper layer lies half a
+    millimetre over the lower one at the folded edge, and further away beyond. The corners turn
+    about lines that meet this edge 2 mm beside its middle, so that they do not touch. In the end
+    they are lifted by 1.2 mm, because their outer layer goes round the inner one.
+    """
+    width, height, beside, brim = 210, 297, 2, 45.5  # [mm] beside the middle; below the corners
+    middle, edge = width / 2, height / 2
+
+    def upper(frame):
+        turn = along(frame, ((1, 0), (32, 179.5)))
+        lift = Vector((0, 0, LAYER_GAP * eased(turn, 120, 179.5)))
+        return Matrix.Translation(lift) @ turned(turn, mm((0, edge))[0], (1, 0, 0))
+
+    def down(frame, side, begin):
+        """The motion of the right corner (side 1) or the left one (-1), both layers alike."""
+        turn = along(frame, ((begin, 0), (begin + 26, 172)))
+        lift = Vector((0, 0, 1.2 * MM * eased(turn, 120, 172)))
+        line = mm((middle + side * beside, edge))[0]
+        return Matrix.Translation(lift) @ turned(turn, line, (1, -side, 0))
+
+    def hands(name, up, pose):
+        """The three hands of the lower layer (up -1) or the upper one (1)."""
+        def points(side, *places):  # given from the middle of the folded edge
+            return mm(*((middle + side * x, edge + up * y) for x, y in places))
+
+        def part(side, *corners):
+            return points(side, *corners[::-up * side])
+
+        def corner(where, side, begin):
+            return Hand("%s.%s" % (name, where), points(side, (97, 16), (60, 14), (97, 64)),
+                        lambda frame: down(frame, side, begin) @ pose(frame),
+                        part(side, (beside, 0), (middle, edge - brim), (middle, 0)), release=98)
+
+        flap = part(1, (-middle, edge), (middle, edge), (middle, edge - brim), (beside, 0),
+                    (-beside, 0), (-middle, edge - brim))
+        return (Hand(name, points(1, (-60, 130), (60, 130), (0, 32)), pose, flap),
+                corner("right", 1, 36), corner("left", -1, 66))
+
+    return Scene("F10_hat", (0.210, 0.297), 114,
+                 hands("lower", -1, flat) + hands("upper", 1, upper), paper=COPY80)
+
+
+SCENES = (letter, half, quarter, fan, corner, pinch, corners, wrap, road_map, hat)
 
 
 # What paper needs to follow
@@ -479,7 +525,7 @@ def add_sheet(scene):
     for uv, corner in zip(sheet.data.uv_layers.new(name="UVMap").data, corners):
         uv.uv = corner[0] / max(scene.size), corner[1] / max(scene.size)
     sheet["paper_size"] = scene.size
-    sheet["paper_gsm"], sheet["paper_thickness"], sheet["paper_fps"] = GSM, THICKNESS, FPS
+    sheet["paper_gsm"], sheet["paper_thickness"], sheet["paper_fps"] = *scene.paper, FPS
     if scene.gravity:
         sheet["paper_gravity"] = scene.gravity
 

@@ -149,6 +149,33 @@ TEST_P(DrawnCreasesTest, HandsFoldAlongThemAndTheQuarterThatNobodyHoldsFollows) 
   }
 }
 
+/// A sheet folded in half, and two corners of both its layers, on other seeds and meshes.
+class HatTest : public FoldCertificateTest,
+                public testing::WithParamInterface<std::tuple<int, int>> {};
+
+INSTANTIATE_TEST_SUITE_P(SeedsAndMeshes, HatTest,
+                         testing::Values(std::tuple(0, 60), std::tuple(0, 120), std::tuple(3, 120),
+                                         std::tuple(0, 180), std::tuple(0, 240)));
+
+TEST_P(HatTest, BothCornersFoldWithBothLayersThatTheirHandsHold) {
+  const auto [seed, triangles] = GetParam();
+  const Ended ended = bake("F10_hat", {"--seed", std::to_string(seed), "--base-triangles",
+                                       std::to_string(triangles), "--attempts", "1"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::vector<json> all = frames();
+  ASSERT_EQ(all.size(), 114u);
+  for (const json& frame : all) {
+    const std::string where = frame["frame"].dump();
+    // where the second corner is pressed the wrong way its handles stay behind by 100 mm
+    EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 1) << where;
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.3) << where;
+    for (const char* none : {"crossings", "render_crossings", "singular"})
+      EXPECT_EQ(frame[none], 0) << none << " " << where;
+  }
+  EXPECT_EQ(all.at(63)["folds"], 3) << "the first line, and one in each layer of the right corner";
+  EXPECT_EQ(all.at(96)["folds"], 5) << "and one in each layer of the left corner";
+}
+
 json summary_of(const fs::path& output) { return json::parse(read(output / "cert/summary.json")); }
 
 TEST_F(FoldCertificateTest, ItSaysWhenEachLineOfALetterFolds) {
