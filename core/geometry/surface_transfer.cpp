@@ -153,6 +153,7 @@ struct Jumps {
 template <class Wanted>
 std::vector<std::pair<Vector2d, Vector2d>> lines_of(const AuthoredSurface& authored,
                                                     const Wanted& wanted) {
+  if (authored.attributes.empty() && authored.material_of.empty()) return {};
   std::vector<double> near;
   for (const AuthoredAttribute& attribute : authored.attributes)
     near.push_back(tolerance_of(attribute));
