@@ -98,6 +98,20 @@ TEST(MeshSwapTest, TheMotionOfASheetWithInertiaDoesNotCount) {
   EXPECT_TRUE(bent.sheet.v.isApprox(proposal.v));
 }
 
+TEST(MeshSwapTest, ASheetThatFallsGetsAnotherMesh) {
+  // within a frame it falls by a twelfth of its side
+  ElasticOptions options;
+  options.inertia = Inertia::dynamic;
+  options.forces.gravity = 9.81;
+  Sheet sheet = test::hex_sheet(0.2, 0.2, 10);
+  Elastic elastic(Bent::paper(0.0045), options);
+  elastic.set_mesh(sheet);
+  Sheet proposal = test::strip_sheet(0.2, 0.2, 20);
+  const MeshSwapResult verdict = try_swap_mesh(sheet, elastic, {proposal, {}}, {}, dt);
+  EXPECT_TRUE(verdict.accepted) << verdict.rise << " " << verdict.move;
+  EXPECT_LT(verdict.move, 0.006);
+}
+
 TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
