@@ -14,9 +14,10 @@ namespace {
 /// How far apart the values of two corners may be that are one. Uv sets are of the order of 1; the
 /// others may be in any unit.
 double tolerance_of(const AuthoredAttribute& attribute) {
-  constexpr double same = 1e-6;  // of the largest: 32-bit floats, with what interpolation adds
+  // [1] of the largest; whole numbers up to 5 million are told apart
+  constexpr double same_uv = 1e-6, same = 2e-7;
   const double largest = attribute.values.size() > 0 ? attribute.values.cwiseAbs().maxCoeff() : 0.0;
-  return same * (attribute.kind == AttributeKind::uv ? std::max(1.0, largest) : largest);
+  return attribute.kind == AttributeKind::uv ? same_uv * std::max(1.0, largest) : same * largest;
 }
 
 /// The two triangles beside an inner edge, and which of their corners are its ends.

@@ -154,7 +154,7 @@ void add_attributes(const Mesh& mesh, std::vector<Property>& members,
                     std::vector<Property>& named) {
   const bool uv = mesh.surface && has_uv(mesh.surface->attributes);
   if (uv) members.push_back(authored(mesh, 0, "uv"));
-  OwnNames own({"crease", "pattern"});
+  OwnNames own(names_of_caches());
   for (std::size_t n = uv; mesh.surface && n < mesh.surface->attributes.size(); ++n)
     named.push_back(authored(mesh, n, own(legal(mesh.surface->attributes[n].name))));
   if (!ever_given(mesh.frames, &MeshFrame::pattern)) return;

@@ -121,8 +121,8 @@ Prim over(const std::string& name, const std::vector<Attribute>& attributes) {
 /// layers  further primvars of the mesh
 std::vector<std::string> attribute_labels(const MeshSurface& surface,
                                           const std::vector<CacheLayer>& layers) {
-  std::set<std::string> taken{"st",      "pattern",      "crease",
-                              "normals", "displayColor", "displayOpacity"};
+  std::set<std::string> taken = names_of_caches();
+  taken.insert({"st", "normals", "displayColor", "displayOpacity"});
   for (const CacheLayer& layer : layers) taken.insert(layer.name);
   OwnNames own(std::move(taken));
   std::vector<std::string> labels;

@@ -25,4 +25,7 @@ class OwnNames {
   std::set<std::string> taken_;
 };
 
+/// What the sheets of all caches have, besides what the artist has made.
+inline std::set<std::string> names_of_caches() { return {"crease", "pattern", "velocity"}; }
+
 }  // namespace paperbake

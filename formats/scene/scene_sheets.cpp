@@ -70,7 +70,7 @@ void name_attributes(const ImportedNode& node, AuthoredSurface& authored) {
       attribute.name = other->second;
     }
   }
-  OwnNames own({"pattern", "crease", "velocity"});  // that caches have besides
+  OwnNames own(names_of_caches());
   for (AuthoredAttribute& attribute : authored.attributes) attribute.name = own(attribute.name);
 }
 
