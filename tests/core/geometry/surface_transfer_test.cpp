@@ -188,6 +188,14 @@ TEST(SurfaceTransfer, AJumpOfASmallNumberCounts) {
   EXPECT_TRUE(jumps(authored).empty()) << "there is a seam";
 }
 
+TEST(SurfaceTransfer, LargeNumbersOfFacesAreToldApart) {
+  AuthoredSurface authored = dyed_quads();
+  authored.attributes.erase(authored.attributes.begin());
+  authored.attributes[0].values.setConstant(2e6);
+  authored.attributes[0].values.bottomRows(12).array() += 1;
+  EXPECT_EQ(jumps(authored).size(), 1u);
+}
+
 TEST(SurfaceTransfer, WithoutRoomForSeamsTheMeshIsThatWithoutThem) {
   RenderFeatures features, none;
   for (int k = 1; k < 200; ++k)
