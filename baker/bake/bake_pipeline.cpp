@@ -201,6 +201,8 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   if (const std::string where = describe_unsolved(certificate_.frames());
       !is_told && !where.empty())
     context_.progress.warning(where);
+  if (const std::string where = describe_unsettled(certificate_.frames()); !where.empty())
+    context_.progress.warning(where);
   outcome.exit_code = missed.empty() ? 0 : 4;
   const auto error = final_error(failure);
   caches_.write_ending(

@@ -195,6 +195,17 @@ std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
   return fmt::format(" (\"{}\" is {})", worst->handle, why());
 }
 
+/// "frame 5" or "3 frames from 5 to 9": those of which something is true; empty: there are none.
+std::string frames_that(const std::vector<FrameRecord>& frames,
+                        const std::function<bool(const FrameRecord&)>& is_so) {
+  std::set<int> found;  // the same frame has a record for each sheet
+  for (const FrameRecord& f : frames)
+    if (is_so(f)) found.insert(f.frame);
+  if (found.empty()) return "";
+  if (found.size() == 1) return fmt::format("frame {}", *found.begin());
+  return fmt::format("{} frames from {} to {}", found.size(), *found.begin(), *found.rbegin());
+}
+
 /// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.
 void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedGate>& missed) {
   if (missed.empty() || faults.empty()) return;
@@ -207,16 +218,21 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
 }  // namespace
 
 std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
-  std::set<int> given_up;
-  for (const FrameRecord& f : frames)
-    if (f.step_unsolved) given_up.insert(f.frame);
-  if (given_up.empty()) return "";
-  const std::string when = given_up.size() == 1
-                               ? fmt::format("frame {}", *given_up.begin())
-                               : fmt::format("{} frames from {} to {}", given_up.size(),
-                                             *given_up.begin(), *given_up.rbegin());
+  const std::string when =
+      frames_that(frames, [](const FrameRecord& f) { return f.step_unsolved; });
+  if (when.empty()) return "";
   return fmt::format(
       "In {} the sheet stands still because the step was not solved: look at what it meets there.",
+      when);
+}
+
+std::string describe_unsettled(const std::vector<FrameRecord>& frames) {
+  const std::string when = frames_that(
+      frames, [](const FrameRecord& f) { return !f.statistics.converged && !f.step_unsolved; });
+  if (when.empty()) return "";
+  return fmt::format(
+      "In {} the solver ended before the paper had come to rest, as it does where paper snaps: "
+      "look whether it moves there as it should.",
       when);
 }
 

@@ -38,6 +38,10 @@ std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord
 /// of handles contains it.
 std::string describe_unsolved(const std::vector<FrameRecord>&);
 
+/// A sentence about the frames whose steps did not converge although the sheet moved on; empty:
+/// there are none.
+std::string describe_unsettled(const std::vector<FrameRecord>&);
+
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none
 /// of the missed ones is about.
 std::vector<std::string> good_news(const std::vector<FrameRecord>&,

@@ -102,6 +102,18 @@ TEST(Gates, FramesThatWereNotSolvedAreToldAlsoWhereNoGateIsMissed) {
             "at what it meets there.");
 }
 
+TEST(Gates, FramesThatEndBeforeThePaperRestsAreTold) {
+  std::vector<FrameRecord> frames(4);
+  for (int f = 0; f < 4; ++f) frames[f].frame = 5 + f / 2;  // of two sheets
+  EXPECT_EQ(describe_unsettled(frames), "");
+  frames[0].statistics.converged = frames[1].statistics.converged = false;
+  EXPECT_EQ(describe_unsettled(frames),
+            "In frame 5 the solver ended before the paper had come to rest, as it does where paper "
+            "snaps: look whether it moves there as it should.");
+  frames[0].step_unsolved = frames[1].step_unsolved = true;  // told as one that stands still
+  EXPECT_EQ(describe_unsettled(frames), "");
+}
+
 TEST(Gates, OfSeveralSheetsTheSentenceNamesTheOne) {
   BakePlan plan;
   plan.shots.resize(2);
