@@ -6,6 +6,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,10 +190,10 @@ int SheetSimulation::parts_of_frame() const {
   const int parts = method_->load_parts(sheet(), std::max(now_.relative_motion, now_.squeeze));
   if (joined_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on())
     return parts;
-  // [1] of the longer side: where handles go farther in a frame than they do in one step
-  // (substepping.h), its parts are as long as a severe conflict has to last
-  constexpr double fast = 0.03, slow = 0.0105;
-  const double by_handles = now_.relative_motion > fast ? now_.relative_motion / slow : 1;
+  // where handles go farther in a frame than they do in one step, its parts are as long as a severe
+  // conflict has to last
+  const double by_handles =
+      now_.relative_motion > max_handle_motion ? now_.relative_motion / severe_persistence : 1;
   return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
 }
 

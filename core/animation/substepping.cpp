@@ -15,7 +15,6 @@ namespace paperbake {
 namespace {
 
 constexpr int max_halvings = 8;
-constexpr double max_motion = 0.03;  // [1] of the longer side, in one step
 constexpr int max_halvings_for_motion = 5;
 // A flat sheet buckles to one side when it is compressed. Its steps are so short there that neither
 // their length nor the mesh decides on the side.
@@ -52,7 +51,7 @@ bool needs_buckling_substeps(const DrivenSheet& f, int halvings) {
          off_plane(f.sheet.x) < flatness * f.side;
 }
 bool exceeds_max_motion(const DrivenSheet& f, int halvings) {
-  return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
+  return f.relative_motion > max_handle_motion && halvings < max_halvings_for_motion;
 }
 
 /// The motion of the handles; none: they do not carry the whole sheet as one body.

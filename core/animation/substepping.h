@@ -8,6 +8,9 @@
 
 namespace paperbake {
 
+// [1] of the longer side: relative motion of the handles in one step; assumed
+inline constexpr double max_handle_motion = 0.03;
+
 /// Result of the elastic step of one frame, which is taken in halves where a whole one fails.
 struct FrameStepResult {
   int substeps = 0, iterations = 0;

@@ -5,6 +5,9 @@
 
 namespace paperbake {
 
+// [1] of the longer side: CrumpleOptions::persistence_severe
+inline constexpr double severe_persistence = 0.0105;
+
 /// When bending directions conflict, where a singular point is born and when an edge is flipped.
 /// Angles in radians, lengths in metres.
 struct CrumpleOptions {
@@ -23,7 +26,7 @@ struct CrumpleOptions {
   // it is then no accident of the mesh
   double persistence = 0.08;
   // [1] the same for a severe conflict, which exceeds even the thresholds next to a singular point
-  double persistence_severe = 0.0105;
+  double persistence_severe = severe_persistence;
   // [1] the most of it that one step counts for: a conflict is seen at least twice
   double largest_travel = 0.005;
   // [1] least distance of singular points, in widths of the longest ridge that the sheet can have
