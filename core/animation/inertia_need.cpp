@@ -2,6 +2,7 @@
 
 #include "core/geometry/box_of.h"
 #include "core/geometry/collider.h"
+#include "core/model/air.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double carried_along = 0.005, flung = 0.25;  // [1] of the longer side
 constexpr double on_a_line = 0.01;                     // [1] of the longer side
-constexpr double velocity_kept = 0.98;                 // [1] in a frame of 1/24 s
 constexpr double of_the_earth = 9.81;                  // [m/s2]
 
 std::vector<int> held_at(const Shot& shot, int frame) {

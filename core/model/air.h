@@ -24,6 +24,10 @@ struct Air {
   double fps = 24;  // [1/s] of the rows of the winds
 };
 
+// [1] Part of its velocity that a sheet keeps in 1/24 s in a vacuum, so that a swing dies away:
+// assumed
+inline constexpr double velocity_kept = 0.98;
+
 /// Velocity of the air at a point: the sum of the winds. [m/s]
 /// A gust multiplies the wind by 1 + gust n(t - s/|v|), where n is noise of mean 0 and variance 1
 /// made of waves of 0.3 to 4 Hz, and s the way along the wind: gusts travel with the wind.

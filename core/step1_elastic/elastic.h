@@ -168,8 +168,8 @@ struct SweptSheet;
 /// Colliders (collider_contact.h), if there are any, are part of W in every step. Handles whose
 /// targets lie behind the surface of a collider slide along it.
 ///
-/// In air, air_drag.h adds its drag to W. In a vacuum, the velocity is damped by the factor 0.98
-/// per 1/24 s instead.
+/// In air, air_drag.h adds its drag to W. In a vacuum, the velocity is damped by the factor
+/// velocity_kept (air.h) per 1/24 s instead.
 ///
 /// source [Martin 2011]
 class Elastic {

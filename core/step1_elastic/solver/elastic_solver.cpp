@@ -14,7 +14,6 @@ namespace {
 
 // fraction of the true mass; values from 1 to 1e-5 give the same shapes to 4 digits
 constexpr double quasi_static_mass = 0.01;
-constexpr double velocity_kept = 0.98;  // [1] per 1/24 s
 
 }  // namespace
 
