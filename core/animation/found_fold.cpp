@@ -22,7 +22,6 @@ namespace {
 constexpr double kept_energy = 0.9;    // [1] of what is stored, at most
 constexpr double max_stretch = 0.005;  // [1] |l - L|/L of an edge
 constexpr double max_move = 0.1;       // [1] of the longer side, in contact
-constexpr double deepest = 2e-5;       // [m] in a collider
 
 /// The triangles of a sheet within a row of a line.
 std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
@@ -182,7 +181,7 @@ bool is_possible(FoundFold& fold, const UnfoldedSheet& unfolded, const Before& b
                                  crossings(fold.sheet) > before.crossed))
     return false;
   return fold.elastic.inside(fold.sheet, unfolded.now.input.colliders.to) <=
-         std::max(deepest, before.inside);
+         std::max(tolerated_depth_of_change, before.inside);
 }
 
 /// Tries places of a fold, and keeps the one with which least is spent.

@@ -202,12 +202,12 @@ class PolishedShot {
 
   /// Whether a polished sheet lies in a collider, deeper than before.
   bool ends_deeper(const CoarseFrame& rough, const Sheet& polished) const {
-    constexpr double exact_to = 2e-6;  // [m] ColliderDepth
     if (!colliders_) return false;
     const int row = rough.frame.frame - animation_.first_frame;
     const double depth = colliders_->deepest(row, polished.x, polished.triangles).depth;
-    return depth > exact_to &&
-           depth > colliders_->deepest(row, rough.sheet.x, rough.sheet.triangles).depth + exact_to;
+    return depth > depth_exact_to &&
+           depth > colliders_->deepest(row, rough.sheet.x, rough.sheet.triangles).depth +
+                       depth_exact_to;
   }
 
   bool show(CoarseFrame& rough, const RefinementResult& attempt,

@@ -50,7 +50,8 @@ Sheet finished(const Method& method, const Sheet& sheet, const StepInput& input,
   Sheet output_sheet = sheet;
   if (!method.finish(output_sheet, vertices_of(input.constraints))) return output_sheet;
   if (step.touching > 0 && crossings(output_sheet) > crossings(sheet)) return sheet;
-  if (elastic.inside(output_sheet, input.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
+  if (elastic.inside(output_sheet, input.colliders.to) > std::max(step.inside, tolerated_depth))
+    return sheet;
   return output_sheet;
 }
 

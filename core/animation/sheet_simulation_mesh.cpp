@@ -71,13 +71,13 @@ void SheetSimulation::undo_remesh() {
 /// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
 /// there.
 bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
-  constexpr double deepest = 2e-5;  // [m]
   if (outcome_.on_colliders == 0) return false;
   const ColliderShapes now =
       now_.followed > 0 ? between(now_.input.colliders.from, now_.input.colliders.to, now_.followed)
                         : now_.input.colliders.from;
   const double depth = simulated_.elastic.inside(sheet(), now);
-  return depth > deepest && depth > simulated_.elastic.on_mesh(before).inside(before, now);
+  return depth > tolerated_depth_of_change &&
+         depth > simulated_.elastic.on_mesh(before).inside(before, now);
 }
 
 bool SheetSimulation::is_locked() const {

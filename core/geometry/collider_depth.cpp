@@ -27,8 +27,8 @@ using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, FaceIterator>>>;
 using Corners = std::array<Vector3d, 3>;
 
-constexpr double exact_to = 2e-6, exact_share = 0.01;  // [m], [1] of the depth
-constexpr int max_divisions = 20000;                   // of the triangles of one surface
+constexpr double exact_share = 0.01;  // [1] of the depth
+constexpr int max_divisions = 20000;  // of the triangles of one surface
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 Point point(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
@@ -318,7 +318,7 @@ class ColliderDepth::Part::Search {
     bool operator<(const Piece& other) const { return most < other.most; }
   };
 
-  double allowed() const { return std::max(exact_to, exact_share * best_.depth); }
+  double allowed() const { return std::max(depth_exact_to, exact_share * best_.depth); }
 
   const Probe& at_vertex(int v) {
     if (known_[v] < 0) {
@@ -339,8 +339,8 @@ class ColliderDepth::Part::Search {
       const Probe& corner = at_vertex(triangles_(t, i));
       if (corner.depth < -longest) return;
       some_inside |= corner.depth > 0;
-      lies_on_one &=
-          std::abs(corner.depth) < exact_to && corner.face == at_vertex(triangles_(t, 0)).face;
+      lies_on_one &= std::abs(corner.depth) < depth_exact_to &&
+                     corner.face == at_vertex(triangles_(t, 0)).face;
     }
     // what lies on a table top passes through it by rounding alone
     if (lies_on_one) return;

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace paperbake {
+
+// [m] A depth that ColliderDepth measures may be wrong by so much, or by 1 % if that is more.
+inline constexpr double depth_exact_to = 2e-6;
 
 /// The deepest point of a surface inside a collider.
 struct Penetration {

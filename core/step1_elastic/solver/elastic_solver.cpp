@@ -322,10 +322,9 @@ void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3
 
 void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepProblem& step,
                                 ElasticReport& report) {
-  constexpr double let_in = 5e-5;  // [m] depth inside a collider that is tolerated
-  if (report.inside > let_in) {
+  if (report.inside > tolerated_depth) {
     Points3 out = sheet.x;
-    push_out(step.colliders.to, sheet.x, -let_in, out);
+    push_out(step.colliders.to, sheet.x, -tolerated_depth, out);
     go_free_of_collisions(step, out, sheet.x);
     report.inside = colliders->inside(sheet.x);
   }
