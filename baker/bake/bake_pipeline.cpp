@@ -203,7 +203,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
     context_.progress.warning(where);
   if (const std::string where = describe_unsettled(certificate_.frames()); !where.empty())
     context_.progress.warning(where);
-  outcome.exit_code = missed.empty() ? 0 : 4;
+  outcome.exit_code = missed.empty() ? 0 : gate_missed;
   const auto error = final_error(failure);
   caches_.write_ending(
       {certificate_.frames(), missed, error ? error->cause + " " + error->remedy : ""});

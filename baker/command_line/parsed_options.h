@@ -9,9 +9,6 @@
 
 namespace paperbake {
 
-// exit code of a bake that is complete but not as good as it has to be
-inline constexpr int gate_missed = 4;
-
 /// What a command was told of the options of the table (baker/job/options.h).
 struct ParsedOptions {
   CLI::App* command = nullptr;

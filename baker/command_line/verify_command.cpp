@@ -2,6 +2,7 @@
 #include "baker/check/verify.h"
 #include "baker/command_line/command.h"
 #include "baker/command_line/parsed_options.h"
+#include "core/model/error.h"
 
 #include <filesystem>
 #include <fmt/format.h>

@@ -255,12 +255,12 @@ int code_of(const std::vector<Json>& records) {
   bool missed = false;
   for (const Json& record : records) {
     const int code = record["exit_code"];
-    if (code == 4)
+    if (code == gate_missed)
       missed = true;
     else
       worst = std::max(worst, code);
   }
-  return worst > 0 ? worst : missed ? 4 : 0;
+  return worst > 0 ? worst : missed ? gate_missed : 0;
 }
 
 }  // namespace

@@ -10,9 +10,13 @@ enum class ErrorCode {
   simulation = 1,  // the solver could not continue
   command = 2,     // the command line, preset or job file is wrong
   scene = 3,       // the scene cannot be used
-  stopped = 5,     // somebody stopped the bake: the same command resumes it
-  folder = 6,      // the output folder is busy or not writable
+  // 4 is gate_missed, which is not an error
+  stopped = 5,  // somebody stopped the bake: the same command resumes it
+  folder = 6,   // the output folder is busy or not writable
 };
+
+// exit code of the tool when its work is done, with a result that is not as good as it has to be
+inline constexpr int gate_missed = 4;
 
 /// The exception of the project; what is thrown is one, or derived from it. It is written for the
 /// artist, and only the tool prints it:
