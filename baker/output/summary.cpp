@@ -121,7 +121,7 @@ std::string describe_polish(const BakePlan& plan) {
                                     : "");
 }
 
-/// What was switched on, and why.
+/// The air and its winds. A wind is told by its highest speed.
 std::string describe_air(const Air& air) {
   std::string text = fmt::format("{} kg/m3, felt by sheets with inertia", air.density);
   for (const Wind& wind : air.winds)
@@ -130,6 +130,7 @@ std::string describe_air(const Air& air) {
   return text;
 }
 
+/// What was switched on, and why.
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   int touching = 0, untangled = 0, births = 0, with_inertia = 0;
   for (const FrameRecord& f : frames) {
