@@ -1,5 +1,7 @@
 #include "baker/output/gates.h"
+
 #include "baker/job/plan_warnings.h"
+#include "baker/output/frames_that.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -18,8 +20,7 @@ std::string advice(Gate gate) {
              "it.";
     case Gate::handles:
       return "Something is in the way of the paper there, there is too little of it, or its mesh "
-             "is "
-             "too coarse: move the handles less far or more slowly, or bake with more "
+             "is too coarse: move the handles less far or more slowly, or bake with more "
              "--base-triangles; cert/handles.csv says which handles.";
     case Gate::crossings:
       return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
@@ -193,17 +194,6 @@ std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
     return "jammed, though nothing touches the sheet: its mesh does not fold any farther";
   };
   return fmt::format(" (\"{}\" is {})", worst->handle, why());
-}
-
-/// "frame 5" or "3 frames from 5 to 9": those of which something is true; empty: there are none.
-std::string frames_that(const std::vector<FrameRecord>& frames,
-                        const std::function<bool(const FrameRecord&)>& is_so) {
-  std::set<int> found;  // the same frame has a record for each sheet
-  for (const FrameRecord& f : frames)
-    if (is_so(f)) found.insert(f.frame);
-  if (found.empty()) return "";
-  if (found.size() == 1) return fmt::format("frame {}", *found.begin());
-  return fmt::format("{} frames from {} to {}", found.size(), *found.begin(), *found.rbegin());
 }
 
 /// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.

@@ -2,6 +2,7 @@
 
 #include "baker/job/version.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/frames_that.h"
 #include "baker/output/leaps.h"
 #include "baker/output/twin_verdict.h"
 #include "formats/files/json.h"
@@ -87,12 +88,9 @@ std::string describe_friction(const BakePlan& plan) {
 
 /// In which frames a sheet passes through another, as a clause; empty: in none.
 std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {
-  std::set<int> through;
-  for (const FrameRecord& f : frames)
-    if (f.statistics.crossings_with_others > 0) through.insert(f.frame);
-  if (through.empty()) return "";
-  return fmt::format("in {} frames from {} to {} one sheet passes through another", through.size(),
-                     *through.begin(), *through.rbegin());
+  const std::string when = frames_that(
+      frames, [](const FrameRecord& f) { return f.statistics.crossings_with_others > 0; });
+  return when.empty() ? "" : fmt::format("in {} one sheet passes through another", when);
 }
 
 /// Whether contact between the sheets of the scene was simulated, and whether it was needed.
@@ -100,15 +98,11 @@ Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames
   if (plan.shots.size() < 2) return {{"on", false}, {"why", "one sheet"}};
   if (plan.animation.elastic.contact == SelfContact::off)
     return {{"on", false}, {"why", "contact is off"}};
-  std::set<int> touching;
-  for (const FrameRecord& f : frames)
-    if (f.statistics.touching_others > 0) touching.insert(f.frame);
-  std::string why =
-      touching.empty()
-          ? "no sheet comes near another"
-          : fmt::format("contact: sheets push each other in {} frames from {} to {}, {}",
-                        touching.size(), *touching.begin(), *touching.rbegin(),
-                        describe_friction(plan));
+  const std::string touching =
+      frames_that(frames, [](const FrameRecord& f) { return f.statistics.touching_others > 0; });
+  std::string why = touching.empty() ? "no sheet comes near another"
+                                     : fmt::format("contact: sheets push each other in {}, {}",
+                                                   touching, describe_friction(plan));
   if (const std::string through = describe_sheet_intersections(frames); !through.empty())
     why += "; " + through;
   return {{"on", !touching.empty()}, {"why", why}};
