@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int every = 12, fine = 2400, probing = 200;  // [frames], [triangles]
-// of each height, in the probe for another branch
-constexpr int waves = 1;
-constexpr double of_another_paper = 1.3;  // [1] so much more energy on the finer mesh
-constexpr int about_a_snap = 6;           // [frames]
-constexpr double drop_of_a_snap = 0.3;    // [1] of the energy
+constexpr int every = 12;                  // [frames]
+constexpr int fine = 2400, probing = 200;  // [triangles]
+constexpr int waves = 1;                   // of each height, in the probe for another branch
+constexpr double of_another_paper = 1.3;   // [1] so much more energy on the finer mesh
+constexpr int about_a_snap = 6;            // [frames]
+constexpr double drop_of_a_snap = 0.3;     // [1] of the energy
 
 std::string text_of(const fs::path& path) {
   if (auto text = read_file(path)) return *text;

@@ -47,7 +47,6 @@ NodeOverride override_of(NodeOverride::Kind kind, const JobSection& section) {
 }
 
 // ---- writing
-// -------------------------------------------------------------------------------------------------
 
 std::string literal(const JobKey& key, const std::string& text) {
   const bool quoted =

@@ -56,8 +56,8 @@ struct BakePlan {
   std::string method;
   std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
-  std::optional<AccuracyChoice>
-      accuracy;                          // how the size of the mesh was chosen; none: it was given
+  // how the size of the mesh was chosen; none: it was given
+  std::optional<AccuracyChoice> accuracy;
   std::optional<AttemptChoice> attempt;  // none: the first one is baked, and no other was tried
   std::vector<UnreachablePairOfSheet> impossible;
   std::vector<StartFault> start_faults;

@@ -156,7 +156,6 @@ std::string cell_text(const Json& value) {
 }
 
 // ---- the table and the picture
-// ------------------------------------------------------------------------------------------
 
 std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
   std::vector<std::string> columns{"exit_code"};

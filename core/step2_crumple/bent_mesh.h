@@ -26,9 +26,9 @@ struct BentMesh {
   PlasticMemory memory{0};
   Hinges hinges = find_hinges(sheet.triangles);
   double row = mean_edge(sheet.pattern, sheet.triangles);  // [m]
-  std::vector<Eigen::Matrix2d>
-      turn{};                  // |T| [m] curvature times area, plastic or that of the sheet
-  std::vector<char> counts{};  // |T| whether a line may run through the triangle
+  // |T| [m] curvature times area, plastic or that of the sheet
+  std::vector<Eigen::Matrix2d> turn{};
+  std::vector<char> counts{};                     // |T| whether a line may run through the triangle
   std::vector<std::optional<ColliderGap>> gap{};  // of each hinge; empty: colliders do not matter
 
   Vector2d corner(int t, int i) const { return sheet.pattern.row(sheet.triangles(t, i)); }
