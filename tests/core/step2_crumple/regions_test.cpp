@@ -4,6 +4,7 @@
 #include "tests/core/test_cones.h"
 #include "tests/core/test_shots.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 namespace paperbake {
@@ -123,6 +124,7 @@ TEST(RegionsTest, RegionsOfATravellingWaveKeepTheirIds) {
     for (const CurvedRegion& region : regions.all())
       if (region.area > 0.002) ids[region.sign > 0] = region.id;
     if (frame == 0) first = ids;
+    ASSERT_TRUE(std::all_of(ids.begin(), ids.end(), [](int id) { return id >= 0; })) << frame;
     EXPECT_EQ(ids, first) << frame;
   }
 }

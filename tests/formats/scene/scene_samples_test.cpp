@@ -134,7 +134,8 @@ TEST_P(SceneSamplesTest, SheetIsWeldedAndItsPatternKnown) {
 
 TEST_P(SceneSamplesTest, EveryHandleHoldsTheSheetPointUnderIt) {
   const Scene scene = read_scene(GetParam().path(), GetParam().options());
-  for (const Handle& handle : scene.sheets.at(0).handles) {
+  ASSERT_FALSE(scene.sheets.at(0).handles.empty());
+  for (const Handle& handle : scene.sheets[0].handles) {
     EXPECT_NEAR((handle.keyed.row(0).head<2>().transpose() - handle.pattern).norm(), 0, 2e-6)
         << handle.name;
     EXPECT_TRUE(contains(scene.sheets[0].pattern, handle.pattern)) << handle.name;
