@@ -1,11 +1,13 @@
 #include "core/step1_elastic/contact/self_contact.h"
 
+#include "core/geometry/intersections.h"
 #include "core/geometry/proximity.h"
 #include "tests/core/test_meshes.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -214,19 +216,59 @@ TEST(SelfContactTest, PairsThatHandlesBringTogetherAreExcluded) {
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
-TEST(SelfContactTest, TheEnergyIsFiniteForASheetThatBeginsTouchingOrCrossingItself) {
-  for (const double shift : {0.0, 0.01}) {
+/// Whether an edge of triangle s passes through triangle t.
+bool passes_through(const Sheet& sheet, int s, int t) {
+  const auto corner = [&](int of, int i) -> Vector3d {
+    return sheet.x.row(sheet.triangles(of, i % 3));
+  };
+  for (int i = 0; i < 3; ++i)
+    if (pierces(corner(s, i), corner(s, i + 1), {corner(t, 0), corner(t, 1), corner(t, 2)}))
+      return true;
+  return false;
+}
+
+/// Whether the two features of a pair belong to triangles of the two layers that pass through each
+/// other.
+bool belongs_to_crossing_triangles(const Sheet& sheet, const ContactPair& pair) {
+  const auto around = [&](int first, int last) {
+    std::vector<int> triangles;
+    for (int t = 0; t < sheet.triangles.rows(); ++t)
+      if (std::all_of(pair.vertices.begin() + first, pair.vertices.begin() + last,
+                      [&](int v) { return (sheet.triangles.row(t).array() == v).any(); }))
+        triangles.push_back(t);
+    return triangles;
+  };
+  const int cut = second_of(pair.features);
+  for (const int s : around(0, cut))
+    for (const int t : around(cut, 4))
+      if (passes_through(sheet, s, t) || passes_through(sheet, t, s)) return true;
+  return false;
+}
+
+TEST(SelfContactTest, PairsThatBeginTouchingOrCrossingAreLeftOutUntilTheyHaveSeparated) {
+  for (const double slope : {0.0, 0.01}) {
     Sheet sheet = two_layers(1e-3);
-    for (int v = 0; v < sheet.x.rows(); ++v) {
-      const bool high = sheet.pattern(v, 0) > 0.5;
-      // in one plane, or through each other
-      sheet.x(v, 2) = high ? shift * (sheet.pattern(v, 0) - 1.05) : 0;
-    }
+    // in one plane, or through each other
+    const auto set_upper = [&](double slope, double height) {
+      for (int v = 0; v < sheet.x.rows(); ++v) {
+        const bool upper = sheet.pattern(v, 0) > 0.5;
+        sheet.x(v, 2) = upper ? height + slope * (sheet.pattern(v, 0) - 1.05) : 0;
+      }
+    };
+    set_upper(slope, 0);
+    EXPECT_EQ(crossings(sheet) > 0, slope > 0);
     Contact contact(sheet.pattern, sheet.triangles);
     contact.begin(sheet.x, {});
+    ASSERT_FALSE(contact.pairs().empty());
+    for (const ContactPair& pair : contact.pairs())
+      EXPECT_FALSE(belongs_to_crossing_triangles(sheet, pair));
     Points3 gradient = still(sheet);
     EXPECT_TRUE(std::isfinite(contact.differentiate(sheet.x, gradient, nullptr)));
     EXPECT_TRUE(gradient.allFinite());
+
+    set_upper(0, 0.4 * contact.dhat());
+    contact.begin(sheet.x, {});
+    EXPECT_GT(contact.active(sheet.x), 100) << slope;
   }
 }
 
