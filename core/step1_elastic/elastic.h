@@ -6,6 +6,7 @@
 #include "core/model/paper.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
+#include "core/step1_elastic/collider_clearance.h"
 #include "core/step1_elastic/contact/collider_distances.h"
 #include "core/step1_elastic/contact/friction_history.h"
 #include "core/step1_elastic/energies/external_forces.h"
@@ -21,8 +22,6 @@
 #include <vector>
 
 namespace paperbake {
-
-class ColliderContact;
 
 enum class Inertia { quasi_static, dynamic };
 // automatic: self-contact is used in the steps in which the sheet comes near itself
@@ -55,11 +54,6 @@ struct StepInput {
   // [1] share of the way to the angles that hands press creases to, which this step goes
   double pressing = 1;
 };
-
-/// [1] Share of its energy that a ridge between two points of crumpled paper stores by stretching:
-/// it stretches with a fifth of the energy with which it bends [Lobkovsky 1997]. A smooth sheet,
-/// which can be developed, stretches far less.
-inline constexpr double ridge_share = 1.0 / 6;
 
 /// What a step did, and the energies and contacts of the sheet at its end.
 struct ElasticReport {
@@ -281,32 +275,6 @@ struct SweptSheet {
   // sheet
   const std::vector<Points3>& places;
   const Points3& initial_positions;  // as in JointStepSheet
-};
-
-/// Pushes a mesh out of colliders without a solver: one that is derived from a simulated mesh and
-/// stands out from it, as the curved surface does from the flat triangles that rest on a collider.
-class ColliderClearance {
- public:
-  /// shapes   the colliders as they are
-  /// outside  |V|x3 [m] positions outside of them, near those that are to be pushed out
-  ColliderClearance(std::shared_ptr<const Colliders>, const ColliderShapes& shapes,
-                    const Triangles&, const Points3& outside);
-  ~ColliderClearance();
-
-  /// [m] How deep it has been cut by open colliders where it begins: it has been jammed there.
-  double begins_inside() const { return begins_inside_; }
-
-  /// Moves the corners of every vertex, edge and triangle that is inside a collider, or closer to
-  /// it than `clearance`, each by its share of the way out. One pass: what is pushed out may be
-  /// pushed in elsewhere.
-  /// held       |V| vertices that stay. The rest of an edge or a triangle makes up for them inside
-  ///            a collider, but goes no farther than `clearance` outside of it.
-  /// clearance  [m] less than collider_dhat
-  void push_out(const std::vector<char>& held, double clearance, Points3& x);
-
- private:
-  std::unique_ptr<ColliderContact> contact_;
-  double begins_inside_;
 };
 
 }  // namespace paperbake

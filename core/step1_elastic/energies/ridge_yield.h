@@ -6,6 +6,11 @@
 
 namespace paperbake {
 
+/// [1] Share of its energy that a ridge between two points of crumpled paper stores by stretching:
+/// it stretches with a fifth of the energy with which it bends [Lobkovsky 1997]. A smooth sheet,
+/// which can be developed, stretches far less.
+inline constexpr double ridge_share = 1.0 / 6;
+
 /// Ridges within the triangles, which a coarse mesh does not show. Paper that bends in two
 /// directions forms flat facets between sharp ridges, and the fibres of a ridge break long before
 /// the average curvature of a triangle says so.
