@@ -242,62 +242,67 @@ void Elastic::restore(const SolverState& state) {
   s.load_plastic_state();
 }
 
-ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const StepProblem& step) {
-  const Points3 before = sheet.x;
-  ElasticReport report;
-  const bool contact_enabled = options.contact == SelfContact::automatic;
-  const double stop = options.stop;
-  if (!contact_enabled || !state.had_contact) {
-    // a sheet that rests on a collider has no second branch unless it is locked, and needs few
-    // mixed Newton iterations
-    const bool rests_on_collider = colliders && colliders->touching(before) > 0;
-    if (rests_on_collider) {
-      state.second.reset();
-      state.descending = false;
-    }
-    const int most = rests_on_collider ? options.max_iterations : max_iterations_of_step();
-    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_interactive() ? 5 : 0)}),
-                      is_interactive() && state.descending ? NewtonOptions::line_search_newton
-                                                           : NewtonOptions::both};
-    if (contact_enabled)
-      how.should_abort = [&](const Points3& x) {
-        return !contact->is_collision_free(before, x, step.hard);
-      };
-    if (rests_on_collider)
-      how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
-    report = solve(sheet, step, nullptr, how,
-                   rests_on_collider ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
-    report.snap_in_progress |= rests_on_collider && !report.converged;
-    const int more = extra_iterations * options.max_iterations / default_iterations;
-    if (is_interactive() && !rests_on_collider && !report.converged && more > 0 &&
-        largest_stretch(sheet) > unfinished_stretch) {
-      const ElasticReport so_far = report;
-      report = solve(sheet, step, nullptr, {stop, more, more, NewtonOptions::line_search_newton},
-                     BranchSearchMode::none);
-      report.iterations += so_far.iterations;
-      report.energy_gain = so_far.energy_gain;
-      report.snap_in_progress = so_far.snap_in_progress && !report.converged;
-      state.descending &= !report.converged;
-    }
-  }
-  // also when the step is unfinished: where hands pull paper taut round a collider, hard handles
-  // may have no end that the iterations reach
-  const auto jams = [&] {
-    return (matrix && largest_stretch(sheet) > give_way_stretch) || report.inside > give_way_depth;
-  };
-  if (contact_enabled &&
-      (state.had_contact || jams() || !contact->is_collision_free(before, sheet.x, step.hard))) {
-    const int wasted_iterations = report.iterations;
-    sheet.x = before;
-    // close to itself a softened sheet soon collides with its own parts: a second branch finds
-    // nothing better there
-    const NewtonOptions how{stop, max_contact_iterations()};
-    report = solve(sheet, step, &*contact, how, BranchSearchMode::none);
-    report.iterations += wasted_iterations;
+ElasticReport Elastic::Impl::step_without_contact(Sheet& sheet, const StepProblem& step) {
+  // a sheet that rests on a collider has no second branch unless it is locked, and needs few mixed
+  // Newton iterations
+  const bool rests_on_collider = colliders && colliders->touching(sheet.x) > 0;
+  if (rests_on_collider) {
     state.second.reset();
     state.descending = false;
-    state.had_contact = report.has_contact();
   }
+  const int most = rests_on_collider ? options.max_iterations : max_iterations_of_step();
+  NewtonOptions how{options.stop, most, mixed_newton_limit(most, is_interactive() ? 5 : 0),
+                    is_interactive() && state.descending ? NewtonOptions::line_search_newton
+                                                         : NewtonOptions::both};
+  if (contact)
+    how.should_abort = [this, &step, before = sheet.x](const Points3& x) {
+      return !contact->is_collision_free(before, x, step.hard);
+    };
+  if (rests_on_collider)
+    how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
+  ElasticReport report =
+      solve(sheet, step, nullptr, how,
+            rests_on_collider ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
+  report.snap_in_progress |= rests_on_collider && !report.converged;
+  const int more = extra_iterations * options.max_iterations / default_iterations;
+  if (!is_interactive() || rests_on_collider || report.converged || more < 1 ||
+      largest_stretch(sheet) <= unfinished_stretch)
+    return report;
+  const ElasticReport so_far = report;
+  report =
+      solve(sheet, step, nullptr, {options.stop, more, more, NewtonOptions::line_search_newton},
+            BranchSearchMode::none);
+  report.iterations += so_far.iterations;
+  report.energy_gain = so_far.energy_gain;
+  report.snap_in_progress = so_far.snap_in_progress && !report.converged;
+  state.descending &= !report.converged;
+  return report;
+}
+
+ElasticReport Elastic::Impl::step_with_contact(Sheet& sheet, const StepProblem& step) {
+  // close to itself a softened sheet soon collides with its own parts: a second branch finds nothing
+  // better there
+  const NewtonOptions how{options.stop, max_contact_iterations()};
+  ElasticReport report = solve(sheet, step, &*contact, how, BranchSearchMode::none);
+  state.second.reset();
+  state.descending = false;
+  state.had_contact = report.has_contact();
+  return report;
+}
+
+ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const StepProblem& step) {
+  if (!contact) return step_without_contact(sheet, step);
+  if (state.had_contact) return step_with_contact(sheet, step);
+  const Points3 before = sheet.x;
+  const ElasticReport free = step_without_contact(sheet, step);
+  // also when the step is unfinished: where hands pull paper taut round a collider, hard handles
+  // may have no end that the iterations reach
+  const bool jams =
+      (matrix && largest_stretch(sheet) > give_way_stretch) || free.inside > give_way_depth;
+  if (!jams && contact->is_collision_free(before, sheet.x, step.hard)) return free;
+  sheet.x = before;
+  ElasticReport report = step_with_contact(sheet, step);
+  report.iterations += free.iterations;
   return report;
 }
 

@@ -60,7 +60,7 @@ void Elastic::Impl::advance(BranchDescent& descent, const IncrementalPotential& 
                                                    : NewtonOptions::line_search_newton;
   const NewtonReport newton = minimise(
       is_softened ? gentle : W,
-      {options.stop, most, std::min(25, is_interactive() ? most : 2 * most / 3), newton_ways},
+      {options.stop, most, mixed_newton_limit(most, is_interactive() ? most : 0), newton_ways},
       stress, descent.x);
   report.iterations += newton.iterations;
   descent.converged = newton.converged;

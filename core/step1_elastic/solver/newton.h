@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/step1_elastic/energies/incremental_potential.h"
+#include "core/step1_elastic/solver/solver_limits.h"
 
-#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -23,7 +23,7 @@ struct NewtonOptions {
   double stop;
   int max_iterations;  // [1] factorisations
   // [1] of these, at most so many by mixed Newton: the rest is for line-search Newton
-  int max_mixed_newton = std::min(25, 2 * max_iterations / 3);
+  int max_mixed_newton = mixed_newton_limit(max_iterations);
   enum Ways { both, mixed_newton, line_search_newton } ways = both;
   // asked every few iterations of the last variant that is allowed: true ends the minimisation
   std::function<bool(const Points3&)> should_abort = nullptr;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 namespace paperbake {
 
 // Limits on the iterations of an elastic step, and when a second branch is searched.
@@ -12,6 +14,13 @@ inline constexpr int slow_convergence_iterations = 15;
 // in the next frame.
 inline constexpr int max_contact_iterations_fine = 40, max_contact_iterations_interactive = 100;
 
+// [1] How many of a step's iterations may be mixed Newton, in which the potential may rise: the rest
+// is for line-search Newton, which only descends. Assumed: two thirds, and no more than 25.
+// further  [1] iterations beyond these two thirds
+inline int mixed_newton_limit(int max_iterations, int further = 0) {
+  return std::min({25, max_iterations, 2 * max_iterations / 3 + further});
+}
+// [1] the same for a sheet that rests on a collider, which needs few; assumed
 inline constexpr int max_mixed_newton_on_colliders = 12;
 
 // [triangles] A mesh of at most this size is animated interactively: a snap-through may go on over
