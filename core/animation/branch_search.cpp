@@ -65,8 +65,7 @@ ElasticReport relax_fully(Sheet& sheet, Elastic& elastic, const StepInput& input
 BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input,
                             const BranchSearchOptions& options) {
   const double dt = options.dt;
-  const double side =
-      (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+  const double side = longer_side(sheet.pattern);
   const SolverState as_it_was = elastic.state();
   if (as_it_was.had_contact) return finish(sheet, elastic, input, dt);
   SolverState no_past = as_it_was;

@@ -1,5 +1,6 @@
 #include "core/animation/mesh_swap.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_coarseness.h"
 #include "core/geometry/mesh_transfer.h"
 
@@ -30,8 +31,7 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
 
   const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern),
       back(proposal.pattern, proposal.triangles, sheet.pattern);
-  const double side =
-      (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+  const double side = longer_side(sheet.pattern);
   const double rise = settled.potential - stored.potential;
   MeshSwapResult verdict;
   verdict.rise = rise / std::max(stored.energy, noise);

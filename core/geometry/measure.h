@@ -18,6 +18,11 @@ LengthDistortion length_distortion(const Sheet&);
 /// Relative elongation (l - L)/L of the most stretched edge, at least 0. [1]
 double largest_stretch(const Sheet&);
 
+/// Longer side of the box around a pattern that has vertices. [m]
+inline double longer_side(const Points2& pattern) {
+  return (pattern.colwise().maxCoeff() - pattern.colwise().minCoeff()).maxCoeff();
+}
+
 /// Mean edge length on the pattern; an edge counts once for each triangle it belongs to. [m]
 double mean_edge(const Points2& pattern, const Triangles&);
 

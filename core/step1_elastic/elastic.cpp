@@ -182,15 +182,13 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
   const StepProblem problem = s.problem_of(sheet, input, dt);
   s.begin_creases(sheet, input, problem);
   const Points3 before = sheet.x;
-  constexpr double coarser = 10;  // the next step continues from here
   const bool coarse = how_far == Relaxation::coarse;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
   if (coarse) {
-    how.stop *= coarser;
-    how.max_iterations = how.max_mixed_newton = 20;
+    how.stop *= coarse_stop;
+    how.max_iterations = how.max_mixed_newton = max_coarse_iterations;
     how.ways = NewtonOptions::mixed_newton;
-    const double max_displacement =
-        0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+    const double max_displacement = max_coarse_move * longer_side(sheet.pattern);
     how.should_abort = [&, max_displacement](const Points3& x) {
       return (x - before).rowwise().norm().maxCoeff() > max_displacement;
     };

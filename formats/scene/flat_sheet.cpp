@@ -1,5 +1,6 @@
 #include "formats/scene/flat_sheet.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
@@ -218,7 +219,7 @@ void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all
 }  // namespace
 
 Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::string& place) {
-  const double size = (flat.colwise().maxCoeff() - flat.colwise().minCoeff()).maxCoeff();
+  const double size = longer_side(flat);
   Pattern pattern;
   for (const Loop& loop : border_loops(triangles, place)) {
     std::vector<Vector2d> corners = corners_of(loop, flat, size);

@@ -23,6 +23,12 @@ inline int mixed_newton_limit(int max_iterations, int further = 0) {
 // [1] the same for a sheet that rests on a collider, which needs few; assumed
 inline constexpr int max_mixed_newton_on_colliders = 12;
 
+// Relaxation::coarse, all assumed: [1] times `stop`, because the next step continues from there; [1]
+// iterations; [1] of the longer side that a vertex may move before the shape is one of another branch
+inline constexpr double coarse_stop = 10;
+inline constexpr int max_coarse_iterations = 20;
+inline constexpr double max_coarse_move = 0.03;
+
 // [triangles] A mesh of at most this size is animated interactively: a snap-through may go on over
 // several frames.
 inline constexpr int interactive_triangle_limit = 400;
