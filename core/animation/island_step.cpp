@@ -91,13 +91,13 @@ DrivenSheet SheetSimulation::IslandStep::with_initial_positions(SheetSimulation&
 
 bool SheetSimulation::IslandStep::give_way_to_jam() {
   constexpr int most_refinements = 4;
-  const bool may_refine = refinements_++ < most_refinements;
+  const bool has_tries_left = refinements_++ < most_refinements;
   bool finer = false, stays = first().now_.followed == 0;
   for (SheetSimulation* a : sheets_) {
-    finer |= may_refine && a->refine_where_jammed(conditions_.is_admissible(a->number_));
+    finer |= has_tries_left && a->refine_where_jammed(conditions_.is_admissible(a->number_));
     stays &= a->jam_.is_on();
   }
-  if (!may_refine || (stays && !finer)) return false;
+  if (!has_tries_left || (stays && !finer)) return false;
   return settle() || finer;
 }
 

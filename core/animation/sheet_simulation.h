@@ -155,6 +155,8 @@ class SheetSimulation {
   /// collider by that.
   /// returns  whether the mesh is another one now; now_.last_remesh then keeps the one before
   bool change_mesh(const RemeshContext&, const AdmissibilityCheck& is_admissible);
+  /// Whether the change of mesh has put an edge or a triangle into a collider, deeper than before:
+  /// it would be stuck there.
   bool cuts_into_collider(const Sheet& before) const;
   /// The input of a part of the frame. part: 1 to now_.load_parts
   StepInput input_of_part(int part) const;
@@ -165,9 +167,14 @@ class SheetSimulation {
   bool end_trial();
   /// [m/s] of the fastest handle or collider in a frame
   double fastest_drive(int frame) const;
+  /// Sets the sheet back to now_.step_start, if there is one.
   void roll_back();
   void add_note(const std::string&);
+  /// Holds a sheet that cannot follow its handles where it is, until they are where it can. A jam
+  /// lasts meanwhile.
+  /// returns  whether it is held
   bool hold_if_infeasible();
+  /// Whether the last change of mesh is why the sheet did not get through its contacts with itself.
   bool is_locked() const;
   void begin_step(RecordTrajectory);
   /// Whether the sheet may change its mesh within the frame if it takes it alone.
@@ -179,8 +186,10 @@ class SheetSimulation {
   void undo_remesh();
   /// Ends the step of a sheet that could not follow, too.
   void end_step();
+  /// The sheet with what drives it through the whole frame, or through a part of it.
   DrivenSheet driven_sheet(RecordTrajectory);
   DrivenSheet driven_in_part(RecordTrajectory, int part);
+  /// Adds to now_.step what the parts of the frame before the last one have taken.
   void add_to_step(const FrameStepResult& before);
   /// Ends a part of the frame. before: the step of the parts before it, or of the same part before
   /// it was tried again
@@ -212,6 +221,7 @@ class SheetSimulation {
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();
+  /// Searches for a lower branch (branch_search.h), and takes it if it is admissible.
   void probe(const AdmissibilityCheck& is_admissible);
 
   const Shot& shot_;

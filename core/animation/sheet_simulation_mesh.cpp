@@ -68,8 +68,6 @@ void SheetSimulation::undo_remesh() {
   simulated_.positions_before = sheet().x;
 }
 
-/// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
-/// there.
 bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   if (outcome_.on_colliders == 0) return false;
   const ColliderShapes now =

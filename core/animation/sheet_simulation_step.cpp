@@ -26,9 +26,6 @@ StepInput SheetSimulation::input_of_part(int part) const {
   return input;
 }
 
-/// Holds a sheet that cannot follow its handles where it is, until they are where it can. A jam
-/// lasts meanwhile.
-/// returns  whether it is held
 bool SheetSimulation::hold_if_infeasible() {
   if (now_.step.failure_reason.empty()) return false;
   if (frame_ == options_.first_frame)
@@ -128,7 +125,6 @@ void SheetSimulation::end_step() {
   now_.trajectory.end(sheet());
 }
 
-/// Adds what the parts of the frame before the last one have taken.
 void SheetSimulation::add_to_step(const FrameStepResult& before) {
   now_.step.substeps += before.substeps;
   now_.step.iterations += before.iterations;
