@@ -4,10 +4,10 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/random.h"
+#include "core/model/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace paperbake {
 namespace {
@@ -123,21 +123,17 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
 }
 
 std::string note_of(const BranchSearch& found) {
-  char text[160] = "";
   const double share = 100 * (found.before - found.after) / std::abs(found.before);
   if (found.taken)
-    std::snprintf(
-        text, sizeof text,
+    return formatted(
         "bistable: a probe found a branch %.0f %% lower (%.3g J instead of %.3g J) and took it",
         share, found.after, found.before);
-  else if (found.finished)
-    std::snprintf(text, sizeof text,
-                  "unfinished: a probe got %.0f %% lower (%.3g J instead of %.3g J)", share,
-                  found.after, found.before);
-  else if (found.equal)
-    std::snprintf(text, sizeof text, "bistable: another branch of equal energy (%.3g J)",
-                  found.before);
-  return text;
+  if (found.finished)
+    return formatted("unfinished: a probe got %.0f %% lower (%.3g J instead of %.3g J)", share,
+                     found.after, found.before);
+  if (found.equal)
+    return formatted("bistable: another branch of equal energy (%.3g J)", found.before);
+  return "";
 }
 
 }  // namespace paperbake

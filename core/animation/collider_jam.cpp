@@ -1,6 +1,6 @@
 #include "core/animation/collider_jam.h"
 
-#include <cstdio>
+#include "core/model/formatted.h"
 
 namespace paperbake {
 
@@ -13,10 +13,8 @@ void ColliderJam::hold(const ColliderMotion& moving, double followed) {
 }
 
 std::string ColliderJam::note(const ColliderShapes& now) const {
-  char note[120];
-  std::snprintf(note, sizeof note, "it is jammed: colliders have gone on by %.1f mm without it",
-                1e3 * farthest_move(between_, now));
-  return note;
+  return formatted("it is jammed: colliders have gone on by %.1f mm without it",
+                   1e3 * farthest_move(between_, now));
 }
 
 void ColliderJam::archive(Serializer& a, const Colliders* colliders) {

@@ -3,10 +3,10 @@
 #include "core/geometry/box_of.h"
 #include "core/geometry/collider.h"
 #include "core/model/air.h"
+#include "core/model/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace paperbake {
 namespace {
@@ -126,13 +126,6 @@ double sway_of(const Shot& shot, const Handle& handle, const ExternalForces& for
   return most;
 }
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
 }  // namespace
 
 InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, double fps,
@@ -147,26 +140,29 @@ InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, doub
   for (int frame = first_frame; frame <= last_frame && forces.gravity != 0; ++frame) {
     const std::vector<int> held = held_at(shot, frame);
     if (held.empty())
-      return {true, need.sway, text("nothing holds the sheet from frame %d on: it falls", frame)};
+      return {true, need.sway,
+              formatted("nothing holds the sheet from frame %d on: it falls", frame)};
     if (off_line(shot, held) > on_a_line * side) continue;
     if (held != at_first || !hangs(shot, held, forces, side) || need.sway > carried_along)
       return {true, need.sway,
-              text("the sheet is held at a point or on a line from frame %d on: it swings", frame)};
+              formatted("the sheet is held at a point or on a line from frame %d on: it swings",
+                        frame)};
     if (!hanging)
       if (const std::string name = striking_collider(shot, held, side); !name.empty())
-        return {
-            true, need.sway,
-            text("the sheet hangs where the collider \"%.100s\" moves: it swings", name.c_str())};
+        return {true, need.sway,
+                formatted("the sheet hangs where the collider \"%.100s\" moves: it swings",
+                          name.c_str())};
     hanging = true;
   }
   need.needed = need.sway > flung;
-  need.why = need.needed ? text("handles throw the sheet by %.0f %% of its side", 100 * need.sway)
-             : hanging   ? text("the sheet hangs at rest; handles carry it by %.2g %% of its side",
-                                100 * need.sway)
-                         : text(
-                               "handles hold the sheet; without air they would throw it by %.2g %% "
-                                 "of its side, less than %.0f %%",
-                               100 * need.sway, 100 * flung);
+  need.why =
+      need.needed ? formatted("handles throw the sheet by %.0f %% of its side", 100 * need.sway)
+      : hanging   ? formatted("the sheet hangs at rest; handles carry it by %.2g %% of its side",
+                              100 * need.sway)
+                  : formatted(
+                        "handles hold the sheet; without air they would throw it by %.2g %% "
+                          "of its side, less than %.0f %%",
+                        100 * need.sway, 100 * flung);
   return need;
 }
 

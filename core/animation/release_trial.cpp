@@ -1,10 +1,10 @@
 #include "core/animation/release_trial.h"
 
 #include "core/geometry/measure.h"
+#include "core/model/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace paperbake {
 
@@ -49,14 +49,11 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
 }
 
 std::string ReleaseTrial::note_of(const Swing& swing) const {
-  char note[200];
-  std::snprintf(note, sizeof note,
-                let_go_ == LetGo::as_modelled
-                    ? "the shape in which it was modelled does not bear its weight: it gives "
-                      "way by %.1f mm, with inertia and much damping, until it is at rest"
-                    : "let go, it springs by %.1f mm: it moves with inertia now",
-                1e3 * swing.amplitude);
-  return note;
+  return formatted(let_go_ == LetGo::as_modelled
+                       ? "the shape in which it was modelled does not bear its weight: it gives "
+                         "way by %.1f mm, with inertia and much damping, until it is at rest"
+                       : "let go, it springs by %.1f mm: it moves with inertia now",
+                   1e3 * swing.amplitude);
 }
 
 ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,

@@ -6,11 +6,11 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/model/formatted.h"
 #include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace paperbake {
@@ -84,10 +84,8 @@ std::string note_of_jammed(const std::vector<HandleFrame>& handles) {
       most = std::max(most, (handle.at - handle.keyed).norm());
     }
   if (jammed == 0) return "";
-  char note[120];
-  std::snprintf(note, sizeof note, "it touches a collider, and %d %s, by up to %.1f mm", jammed,
-                jammed == 1 ? "handle gives way" : "handles give way", 1e3 * most);
-  return note;
+  return formatted("it touches a collider, and %d %s, by up to %.1f mm", jammed,
+                   jammed == 1 ? "handle gives way" : "handles give way", 1e3 * most);
 }
 
 /// The initial sheet, on a first mesh with so many times more triangles.

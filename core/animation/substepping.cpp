@@ -3,10 +3,10 @@
 #include "core/animation/imperfection.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
+#include "core/model/formatted.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -207,13 +207,11 @@ std::string reason_of(const Rejection& rejection, int halvings, const FrameInter
   if (rejection.not_finite)
     throw EnergyNotFinite(frame.where,
                           std::string("Move the ") + leading + " more slowly before this frame.");
-  char cause[200];
-  std::snprintf(cause, sizeof cause,
-                "The sheet cannot follow the %s: %d halvings of the time step, worst "
-                "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
-                leading, halvings, 100 * rejection.distortion.largest,
-                100 * rejection.distortion.where.x(), 100 * rejection.distortion.where.y());
-  return cause;
+  return formatted(
+      "The sheet cannot follow the %s: %d halvings of the time step, worst "
+      "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
+      leading, halvings, 100 * rejection.distortion.largest, 100 * rejection.distortion.where.x(),
+      100 * rejection.distortion.where.y());
 }
 
 /// The colliders half way. Those that move with the handles go on their arcs.
