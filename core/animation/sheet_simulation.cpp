@@ -43,16 +43,20 @@ double fold_integral(const Sheet& sheet) {
   return sum;
 }
 
-/// The sheet as the method finishes it. The simulated one is kept when the finished one would
-/// intersect itself more often or lie deeper inside a collider.
-Sheet finished(const Method& method, const Sheet& sheet, const StepInput& input,
-               const Elastic& elastic, const ElasticReport& step) {
-  Sheet output_sheet = sheet;
-  if (!method.finish(output_sheet, vertices_of(input.constraints))) return output_sheet;
-  if (step.touching > 0 && crossings(output_sheet) > crossings(sheet)) return sheet;
-  if (elastic.inside(output_sheet, input.colliders.to) > std::max(step.inside, tolerated_depth))
-    return sheet;
-  return output_sheet;
+/// Lets the method finish a sheet. It stays as it is when the finished one would intersect itself
+/// more often or lie deeper inside a collider.
+/// returns  [m] how deep it lies in one then
+double finish(const Method& method, Sheet& sheet, const StepInput& input, const Elastic& elastic,
+              const ElasticReport& step) {
+  const auto inside = [&](const Sheet& any) { return elastic.inside(any, input.colliders.to); };
+  Sheet finished = sheet;
+  if (!method.finish(finished, vertices_of(input.constraints)) ||
+      (step.touching > 0 && crossings(finished) > crossings(sheet)))
+    return inside(sheet);
+  const double depth = inside(finished);
+  if (depth > std::max(step.inside, tolerated_depth)) return inside(sheet);
+  sheet = std::move(finished);
+  return depth;
 }
 
 /// True if the state belongs to a mesh with as many vertices and triangles as the sheet has.
@@ -344,10 +348,10 @@ void SheetSimulation::add_note(const std::string& note) { append_note(now_.resul
 
 void SheetSimulation::finalize(Output how) {
   if (now_.is_sleeping && frame_ != options_.first_frame) return;
-  output_sheet_ = how == Output::simulated_sheet
-                      ? sheet()
-                      : finished(*method_, sheet(), now_.input, simulated_.elastic, now_.step.last);
-  inside_ = simulated_.elastic.inside(output_sheet_, now_.input.colliders.to);
+  output_sheet_ = sheet();
+  inside_ = how == Output::simulated_sheet
+                ? simulated_.elastic.inside(output_sheet_, now_.input.colliders.to)
+                : finish(*method_, output_sheet_, now_.input, simulated_.elastic, now_.step.last);
 }
 
 AnimatedFrame SheetSimulation::report() {

@@ -75,7 +75,7 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
                         : now_.input.colliders.from;
   const double depth = simulated_.elastic.inside(sheet(), now);
   return depth > tolerated_depth_of_change &&
-         depth > simulated_.elastic.on_mesh(before).inside(before, now);
+         depth > simulated_.elastic.inside_on_mesh_of(before, now);
 }
 
 bool SheetSimulation::is_locked() const {

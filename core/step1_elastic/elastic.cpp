@@ -153,11 +153,23 @@ LocalEnergies Elastic::local_energies(const Sheet& sheet) {
   return impl_->energy->local_energies(sheet.x);
 }
 
+/// [m] As in Elastic::inside. contact  that of a sheet on this mesh, with what it knows of sides
+static double depth_at_rest(ColliderContact contact, const Points3& x,
+                            const ColliderShapes& shapes) {
+  contact.begin(x, {shapes, shapes}, {});
+  return contact.inside(x);
+}
+
 double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
-  if (!impl_->colliders) return 0;
-  ColliderContact at_rest = *impl_->colliders;  // the step that its own contact is in goes on
-  at_rest.begin(sheet.x, {shapes, shapes}, {});
-  return at_rest.inside(sheet.x);
+  // a copy: the step that its own contact is in goes on
+  return impl_->colliders ? depth_at_rest(*impl_->colliders, sheet.x, shapes) : 0;
+}
+
+double Elastic::inside_on_mesh_of(const Sheet& sheet, const ColliderShapes& shapes) const {
+  if (!impl_->options.colliders) return 0;
+  return depth_at_rest(
+      {impl_->options.colliders, sheet.triangles, static_cast<int>(sheet.x.rows())}, sheet.x,
+      shapes);
 }
 
 bool Elastic::leave_colliders(Sheet& sheet, const ColliderShapes& shapes,

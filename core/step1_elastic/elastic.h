@@ -235,6 +235,8 @@ class Elastic {
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.
   double inside(const Sheet&, const ColliderShapes&) const;
+  /// The same for a sheet on another mesh.
+  double inside_on_mesh_of(const Sheet&, const ColliderShapes&) const;
   /// Pushes a sheet out of colliders into which edges and triangles of its mesh cut, because those
   /// of the mesh that it was on before went round them elsewhere. Its vertices are outside.
   /// held     vertices that stay
