@@ -129,7 +129,7 @@ struct Before {
   explicit Before(const UnfoldedSheet& unfolded)
       : spent(spent_by(unfolded.elastic, unfolded.sheet, unfolded.now.input)),
         inside(unfolded.elastic.inside(unfolded.sheet, unfolded.now.input.colliders.to)),
-        stretched(length_distortion(unfolded.sheet).largest),
+        stretched(worst_edge(unfolded.sheet).error),
         crossed(crossings(unfolded.sheet)) {}
   double spent;      // [J]
   double inside;     // [m] depth in a collider
@@ -175,7 +175,7 @@ bool is_possible(FoundFold& fold, const UnfoldedSheet& unfolded, const Before& b
   fold.moved = max_row_norm(fold.sheet.x - onto(unfolded.sheet.x));
   fold.spent = spent_by(fold.elastic, fold.sheet, unfolded.now.input);
   if (!(fold.spent <= kept_energy * before.spent) ||
-      !(length_distortion(fold.sheet).largest <= std::max(max_stretch, before.stretched)))
+      !(worst_edge(fold.sheet).error <= std::max(max_stretch, before.stretched)))
     return false;
   if (fold.step.last.contact && (fold.moved > max_move * longer_side(unfolded.shot.pattern) ||
                                  crossings(fold.sheet) > before.crossed))

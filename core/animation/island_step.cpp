@@ -105,8 +105,7 @@ bool SheetSimulation::IslandStep::settle() {
   constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
   const auto stretch = [&] {
     double most = 0;
-    for (const SheetSimulation* a : sheets_)
-      most = std::max(most, length_distortion(a->sheet()).largest);
+    for (const SheetSimulation* a : sheets_) most = std::max(most, worst_edge(a->sheet()).error);
     return most;
   };
   const double before = stretch();

@@ -189,7 +189,7 @@ class PolishedShot {
       else if (!result.polished->converged)
         result.rejection = "it does not come to rest";
       else if (result.polished->moved > elsewhere * longer_side(shot_.pattern) ||
-               length_distortion(result.polished->sheet).largest > max_trusted_stretch)
+               worst_edge(result.polished->sheet).error > max_trusted_stretch)
         result.rejection = "it ends somewhere else";
       else if (ends_deeper(rough, result.polished->sheet))  // which the fine mesh does not feel
         result.rejection = "it ends inside a collider";

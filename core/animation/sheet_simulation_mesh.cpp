@@ -82,9 +82,8 @@ bool SheetSimulation::is_locked() const {
   if (!now_.last_remesh || !now_.step.last.contact || now_.step.converged) return false;
   return (now_.last_remesh->vertices_moved &&
           (now_.last_remesh->was_at_minimum || now_.squeeze == 0)) ||
-         length_distortion(sheet()).largest >
-             std::max(jammed_stretch,
-                      4 * length_distortion(now_.last_remesh->before.sheet).largest);
+         worst_edge(sheet()).error >
+             std::max(jammed_stretch, 4 * worst_edge(now_.last_remesh->before.sheet).error);
 }
 
 void SheetSimulation::try_proposal(const RemeshContext& context,

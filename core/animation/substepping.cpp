@@ -110,11 +110,10 @@ bool are_squeezed_too_far(const std::vector<DrivenSheet>& sheets, int halvings) 
   return are_swept_farther(sheets, halvings, max_squeeze);
 }
 
-LengthDistortion worst_of(const std::vector<DrivenSheet>& sheets) {
-  LengthDistortion worst;
+WorstEdge worst_edge_of(const std::vector<DrivenSheet>& sheets) {
+  WorstEdge worst;
   for (const DrivenSheet& f : sheets)
-    if (const LengthDistortion d = length_distortion(f.sheet); d.largest >= worst.largest)
-      worst = d;
+    if (const WorstEdge edge = worst_edge(f.sheet); edge.error >= worst.error) worst = edge;
   return worst;
 }
 
@@ -146,14 +145,14 @@ std::vector<ElasticReport> step(const std::vector<DrivenSheet>& sheets, const Fr
 /// Why a step was rejected.
 struct Rejection {
   bool not_finite = false;  // the energy: the solver could not go on
-  LengthDistortion distortion;
+  WorstEdge worst;
   bool jammed = false;
 };
 
 /// Whether a step has left sheets in a state in which paper cannot be.
-bool are_crushed(const LengthDistortion& now, double stretch_before,
+bool are_crushed(const WorstEdge& now, double stretch_before,
                  const std::vector<FrameStepResult>& steps) {
-  return now.largest > std::max(max_jammed_stretch, stretch_before) ||
+  return now.error > std::max(max_jammed_stretch, stretch_before) ||
          std::any_of(steps.begin(), steps.end(),
                      [](const FrameStepResult& step) { return step.last.inside > give_way_depth; });
 }
@@ -164,7 +163,7 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
                                   const FrameInterval& frame, const FramePart& part,
                                   std::vector<FrameStepResult>& result) {
   Rejection rejection;
-  const double stretch_before = worst_of(sheets).largest;
+  const double stretch_before = worst_edge_of(sheets).error;
   bool converged = false;
   try {
     const std::vector<ElasticReport> reports = step(sheets, frame, part);
@@ -175,19 +174,18 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   } catch (const EnergyNotFinite&) {
     rejection.not_finite = true;
   }
-  rejection.distortion = worst_of(sheets);
+  rejection.worst = worst_edge_of(sheets);
   const double trusted =
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
   bool unfinished = false;
   if (may_jam(sheets, part.halvings)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
     const bool crushed =
-        rejection.not_finite || are_crushed(rejection.distortion, stretch_before, result);
+        rejection.not_finite || are_crushed(rejection.worst, stretch_before, result);
     rejection.jammed = crushed && !far;
     unfinished = crushed || (far && !converged);
   }
-  if (rejection.not_finite || !(rejection.distortion.largest < trusted) || unfinished)
-    return rejection;
+  if (rejection.not_finite || !(rejection.worst.error < trusted) || unfinished) return rejection;
   for (const DrivenSheet& f : sheets)
     if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
   return std::nullopt;
@@ -210,8 +208,8 @@ std::string reason_of(const Rejection& rejection, int halvings, const FrameInter
   return formatted(
       "The sheet cannot follow the %s: %d halvings of the time step, worst "
       "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
-      leading, halvings, 100 * rejection.distortion.largest, 100 * rejection.distortion.where.x(),
-      100 * rejection.distortion.where.y());
+      leading, halvings, 100 * rejection.worst.error, 100 * rejection.worst.where.x(),
+      100 * rejection.worst.where.y());
 }
 
 /// The colliders half way. Those that move with the handles go on their arcs.

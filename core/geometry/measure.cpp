@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <cstdint>
+#include <unordered_set>
 
 namespace paperbake {
 namespace {
@@ -16,28 +17,38 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
 
 }  // namespace
 
+/// [1] |l - L|/L of an edge
+static double length_error(const Sheet& sheet, int a, int b) {
+  const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
+  return std::abs((sheet.x.row(a) - sheet.x.row(b)).norm() - rest) / rest;
+}
+
+WorstEdge worst_edge(const Sheet& sheet) {
+  WorstEdge worst;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      if (const double error = length_error(sheet, a, b); error > worst.error)
+        worst = {error, 0.5 * (sheet.pattern.row(a) + sheet.pattern.row(b))};
+    }
+  return worst;
+}
+
 LengthDistortion length_distortion(const Sheet& sheet) {
-  LengthDistortion result;
+  const WorstEdge worst = worst_edge(sheet);
   double sum = 0, count = 0;
-  std::unordered_map<std::uint64_t, bool> seen;
+  std::unordered_set<std::uint64_t> seen;
   seen.reserve(3 * sheet.triangles.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
-      if (!seen.emplace((std::uint64_t(std::min(a, b)) << 32) | std::uint32_t(std::max(a, b)), true)
+      if (!seen.insert((std::uint64_t(std::min(a, b)) << 32) | std::uint32_t(std::max(a, b)))
                .second)
         continue;
-      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
-      const double stretch = std::abs((sheet.x.row(a) - sheet.x.row(b)).norm() - rest) / rest;
-      sum += stretch;
+      sum += length_error(sheet, a, b);
       count += 1;
-      if (stretch > result.largest) {
-        result.largest = stretch;
-        result.where = 0.5 * (sheet.pattern.row(a) + sheet.pattern.row(b));
-      }
     }
-  result.mean = count > 0 ? sum / count : 0;
-  return result;
+  return {count > 0 ? sum / count : 0, worst.error, worst.where};
 }
 
 double largest_stretch(const Sheet& sheet) {

@@ -7,7 +7,15 @@
 
 namespace paperbake {
 
-/// How well a sheet keeps the edge lengths of its pattern.
+/// The edge of a sheet whose length is most wrong.
+struct WorstEdge {
+  double error = 0;      // [1] |l - L|/L
+  Vector2d where{0, 0};  // [m] its midpoint on the pattern
+};
+WorstEdge worst_edge(const Sheet&);
+
+/// How well a sheet keeps the edge lengths of its pattern. It takes several times as long as
+/// worst_edge().
 struct LengthDistortion {
   double mean = 0;       // [1] c_m: mean over the edges of |l - L|/L, [Schreck 2015] table 2
   double largest = 0;    // [1] largest |l - L|/L
