@@ -4,7 +4,6 @@
 #include "formats/maps/crease_map.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <future>
 #include <memory>

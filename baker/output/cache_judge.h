@@ -6,7 +6,6 @@
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>

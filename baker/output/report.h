@@ -6,8 +6,6 @@
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
 
-#include <cstdint>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>

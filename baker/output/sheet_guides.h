@@ -6,7 +6,6 @@
 #include "formats/cache/alembic_cache.h"
 #include "formats/maps/crease_history.h"
 
-#include <optional>
 #include <vector>
 
 namespace paperbake {

@@ -3,7 +3,6 @@
 #include "baker/job/settings.h"
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace paperbake {

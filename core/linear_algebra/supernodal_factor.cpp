@@ -6,6 +6,7 @@
 #include <cholmod.h>
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 namespace paperbake {
 namespace {

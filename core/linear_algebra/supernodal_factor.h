@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include <memory>
 #include <utility>
 #include <vector>
 

@@ -2,8 +2,6 @@
 
 #include "core/model/sheet.h"
 
-#include <vector>
-
 namespace paperbake {
 
 /// Flips edges of the mesh towards the rulings. Of the two diagonals of a convex pair of triangles

@@ -3,8 +3,6 @@
 #include "core/geometry/vertex_rings.h"
 #include "core/model/sheet.h"
 
-#include <optional>
-
 namespace paperbake {
 
 /// Moves an inner vertex to p on the pattern, or as far towards it as its ring allows: all the way,

@@ -3,8 +3,6 @@
 #include "core/model/authored_surface.h"
 #include "core/model/sheet.h"
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
