@@ -4,6 +4,7 @@
 #include "baker/job/plan.h"
 #include "baker/job/plan_warnings.h"
 #include "core/animation/obstructed_paths.h"
+#include "core/model/degrees.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
 
@@ -39,7 +40,7 @@ Json crease_json(const CreaseLine& crease, std::size_t number) {
   for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
   return {{"id", number},
           {"line_m", std::move(line)},
-          {"angle_deg", crease.angle * 180 / M_PI},
+          {"angle_deg", degrees_of(crease.angle)},
           {"expected", crease.expected},
           {"from", crease.origin}};
 }

@@ -1,5 +1,6 @@
 #include "baker/job/crease_lines.h"
 
+#include "core/model/degrees.h"
 #include "formats/config/job_file.h"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
     std::string origin = sheet.crease_origin[c];
     for (const ExpectedCrease& crease : expected)
       if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0)
-        origin += fmt::format("; turned by {:.4g} degrees by {}", largest_turn(crease) * 180 / M_PI,
+        origin += fmt::format("; turned by {:.4g} degrees by {}", degrees_of(largest_turn(crease)),
                               origin_of(crease, sheet.handles));
     lines.push_back({drawn[c].line, drawn[c].angle, false, origin});
   }
@@ -57,7 +58,7 @@ std::string describe(const CreaseLine& crease, std::size_t number) {
   return fmt::format("crease {} from {} to {} mm{}, {} {:.4g} degrees: {}", number,
                      point(crease.line.front()), point(crease.line.back()), bends,
                      crease.expected ? "expected: turns by" : "springs back to",
-                     crease.angle * 180 / M_PI, crease.origin);
+                     degrees_of(crease.angle), crease.origin);
 }
 
 std::string toml_expected(const std::vector<CreaseLine>& lines) {
@@ -66,7 +67,7 @@ std::string toml_expected(const std::vector<CreaseLine>& lines) {
     if (line.expected) expected.push_back(line);
   return toml_list(expected, [](const CreaseLine& c) {
     return fmt::format("{{line = {}, angle = {}, from = {}}}", toml_list(c.line, toml_point),
-                       toml_number(c.angle * 180 / M_PI), toml_string(c.origin));
+                       toml_number(degrees_of(c.angle)), toml_string(c.origin));
   });
 }
 

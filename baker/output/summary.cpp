@@ -5,6 +5,7 @@
 #include "baker/output/frames_that.h"
 #include "baker/output/leaps.h"
 #include "baker/output/twin_verdict.h"
+#include "core/model/degrees.h"
 #include "formats/files/json.h"
 
 #include <algorithm>
@@ -198,7 +199,7 @@ Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
       lines.push_back({{"sheet", plan.shots[s].sheet_name},
                        {"id", k + 1},
                        {"line_mm", line},
-                       {"angle_deg", crease.angle * 180 / M_PI},
+                       {"angle_deg", degrees_of(crease.angle)},
                        {"expected", crease.expected},
                        {"from", crease.origin},
                        {"folded_in_frame", folded ? Json(*folded) : Json()}});

@@ -1,6 +1,7 @@
 #include "core/animation/fold_axis.h"
 
 #include "core/linear_algebra/symmetric_eigen.h"
+#include "core/model/degrees.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Geometry>
@@ -80,7 +81,7 @@ class FoldAxisSearch {
     bool is_about_the_line() const { return flat_ >= least_share * rows_; }
 
    private:
-    static constexpr double begun = 20 * M_PI / 180, least_share = 0.75;
+    static constexpr double begun = radians_of(20), least_share = 0.75;
     int rows_ = 0, flat_ = 0;
   };
 
@@ -198,7 +199,7 @@ class FoldAxisSearch {
   double max_slack(const FoldAxis& line, const Turn& turn, double largest) const {
     constexpr double rounding = 1e-4;  // [1] of the longer side
     const double bent = line.other->is_plate ? std::abs(turn.angle) / 8
-                                             : 0.0041 * std::pow(largest / (79 * M_PI / 180), 4.4);
+                                             : 0.0041 * std::pow(largest / radians_of(79), 4.4);
     return std::min(max_misfit * clamps_.side(),
                     rounding * clamps_.side() + 0.25 * bent * line.reach);
   }

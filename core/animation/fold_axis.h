@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/animation/clamps.h"
+#include "core/model/degrees.h"
 
 #include <optional>
 #include <vector>
@@ -22,7 +23,7 @@ struct FoldAxis {
 // [1] of the longer side: handles this near to a line are on it
 inline constexpr double on_line = 5e-3;
 // [rad] hands that turn against each other by less do not fold the paper
-inline constexpr double min_fold_turn = 60 * M_PI / 180;
+inline constexpr double min_fold_turn = radians_of(60);
 
 /// The axis about which a clamp turns against a plate by at least 60 degrees; none if there is
 /// none, or if the clamp is on both sides of it, or on the same one as the plate. The formulas are

@@ -3,6 +3,7 @@
 #include "core/animation/gussets.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/degrees.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double first_turn = 3 * M_PI / 180;  // from which on a crease is folded
+constexpr double first_turn = radians_of(3);  // from which on a crease is folded
 
 /// 1, or -1 where the paper at p lay upside down for the hands when they began, beyond folds that
 /// were shut. A fold across it that is shut later carries the crease along and does not change it.

@@ -2,6 +2,7 @@
 
 #include "core/animation/fold_axis.h"
 #include "core/geometry/hinges.h"
+#include "core/model/degrees.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Geometry>
@@ -15,10 +16,10 @@
 namespace paperbake {
 namespace {
 
-constexpr double nearly_open = 1 * M_PI / 180, nearly_shut = 165 * M_PI / 180;
-constexpr double least_turn = 60 * M_PI / 180;  // of a bisector that is worth a crease
+constexpr double nearly_open = radians_of(1), nearly_shut = radians_of(165);
+constexpr double least_turn = radians_of(60);  // of a bisector that is worth a crease
 // up to which paper turns with the hands: where layers come to lie on each other, they need room
-constexpr double most_turn = 170 * M_PI / 180;
+constexpr double most_turn = radians_of(170);
 constexpr double shortest = 0.01;  // [1] of the longer side
 constexpr double rounding = 1e-9;  // [rad]
 constexpr double nobody = std::numeric_limits<double>::quiet_NaN();

@@ -3,6 +3,7 @@
 #include "core/geometry/curvature.h"
 #include "core/geometry/developable_curvature.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/model/degrees.h"
 #include "core/model/serializer.h"
 #include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/edge_flips.h"
@@ -169,7 +170,7 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
   // it may have come to lie a little beside p, where no singular point is allowed
   if (options_.singular_point_rules.forbids(grown.pattern.row(born))) return false;
   sheet = std::move(grown);
-  const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
+  const int degrees = static_cast<int>(std::lround(degrees_of(conflicts.turn[worst])));
   sheet.singular.push_back(
       {sheet.pattern.row(born).transpose(), frame,
        "bends " + std::to_string(degrees) + " degrees in the second direction"});

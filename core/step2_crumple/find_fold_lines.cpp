@@ -1,5 +1,6 @@
 #include "core/step2_crumple/find_fold_lines.h"
 
+#include "core/model/degrees.h"
 #include "core/model/segment2.h"
 #include "core/step2_crumple/bent_mesh.h"
 
@@ -11,8 +12,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double one_way = 0.9;               // [1] of the plastic turn, about the line
-constexpr double min_turn = 90 * M_PI / 180;  // of the sheet, in three rows of triangles
+constexpr double one_way = 0.9;              // [1] of the plastic turn, about the line
+constexpr double min_turn = radians_of(90);  // of the sheet, in three rows of triangles
 // [1] of the curvature at which paper yields: what the mean over two rows of triangles must reach
 // where single triangles have yielded
 constexpr double least_bend = 0.5;
@@ -22,7 +23,7 @@ constexpr double most_beside = 0.3;
 // how many places a fold is tried in, and how far beyond where it may be [rows]
 constexpr int places = 7;
 constexpr double margin = 0.1;
-constexpr double least_plastic = 1 * M_PI / 180;  // turn that stays, in each part of the line
+constexpr double least_plastic = radians_of(1);  // turn that stays, in each part of the line
 
 /// What happens across a line in parts of it that are two rows of triangles long.
 struct Profile {

@@ -1,5 +1,6 @@
 #include "formats/config/job_file.h"
 
+#include "core/model/degrees.h"
 #include "core/model/error.h"
 #include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
@@ -117,7 +118,7 @@ PrescribedCrease read_crease(const TomlDocument& document, const toml::node& nod
     fail(document, line->source().begin, "A crease needs at least two points.");
   const JobKey angle{"angle", JobKey::number, -170, 170};
   for (const JobValue& value : read_values(document, *table, {angle}))
-    crease.angle = std::stod(value.text) * M_PI / 180;
+    crease.angle = radians_of(std::stod(value.text));
   return crease;
 }
 
@@ -282,7 +283,7 @@ std::string toml_point(const Vector2d& p) {
 std::string toml_creases(const std::vector<PrescribedCrease>& creases) {
   return toml_list(creases, [](const PrescribedCrease& c) {
     return fmt::format("{{line = {}, angle = {}}}", toml_list(c.line, toml_point),
-                       toml_number(c.angle * 180 / M_PI));
+                       toml_number(degrees_of(c.angle)));
   });
 }
 

@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/degrees.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
 #include "formats/scene/scene_colliders.h"
@@ -185,7 +186,7 @@ std::optional<double> rest_angle(const SceneNodes& scene, const ImportedNode& no
   if (std::abs(angle) > max_angle)
     throw Error(ErrorCode::scene, place, fmt::format("paper_crease is {:g}.", angle),
                 "It is the rest angle of the crease: from -170 to 170 degrees, or \"modelled\".");
-  return angle * M_PI / 180;
+  return radians_of(angle);
 }
 
 /// The angle by which the start shape is folded along a line of its pattern, at most max_angle;
@@ -210,7 +211,7 @@ double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, dou
     sum += along.norm() * std::atan2(left.cross(right).dot(axis), left.dot(right));
     length += along.norm();
   }
-  const double most = max_angle * M_PI / 180;
+  const double most = radians_of(max_angle);
   return length > 0 ? std::clamp(sum / length, -most, most) : 0;
 }
 
@@ -279,7 +280,7 @@ void warn_of_unmarked_folds(const SceneSheet& sheet, std::vector<std::string>& w
   Vector2d where;
   for (const Hinge& hinge : find_hinges(start.triangles).hinges) {
     const auto [a, b, left, right] = hinge.vertices;
-    const double turn = std::abs(dihedral_angle(start.x, hinge)) * 180 / M_PI;
+    const double turn = degrees_of(std::abs(dihedral_angle(start.x, hinge)));
     if (turn <= most || is_on_crease(sheet.pattern.prescribed_creases, start.pattern, a, b))
       continue;
     most = turn;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/degrees.h"
 #include "core/model/paper.h"
 
 #include <cmath>
@@ -30,7 +31,7 @@ struct CreaseLaw {
 inline CreaseLaw crease_law(const Paper& paper) {
   const double k = paper.bending_stiffness / (150 * paper.thickness);
   const double first_yield = paper.bending_stiffness * 2 * paper.yield_strain / paper.thickness;
-  return {k, 0.6 * first_yield, 0.03 * k, first_yield / (3 * M_PI / 180)};
+  return {k, 0.6 * first_yield, 0.03 * k, first_yield / radians_of(3)};
 }
 
 /// State of a crease at a dihedral angle theta [rad], when it sprang back to `rest` [rad] at the

@@ -2,6 +2,7 @@
 
 #include "core/geometry/curvature.h"
 #include "core/geometry/measure.h"
+#include "core/model/degrees.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
+constexpr double smooth_turn = radians_of(6), ridge_turn = radians_of(15);
 constexpr double neighbourhood = 0.5;  // [1] of X
 constexpr int min_ends = 4;
 
