@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 
 namespace paperbake {
@@ -180,9 +179,8 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
     if (record.state != HandleFrame::free)
       sheets[s].held[record.frame].push_back({at->second, record.held});
   }
-  std::istringstream lines(read_file(folder / "cert/frames.jsonl").value_or(""));
-  for (std::string line; std::getline(lines, line);) {
-    std::optional<FrameRecord> record = parse_frame_line(line);
+  const std::string lines = read_file(folder / "cert/frames.jsonl").value_or("");
+  for (std::optional<FrameRecord>& record : parse_frame_lines(lines)) {
     if (!record) throw std::runtime_error("a line of cert/frames.jsonl is not one of this version");
     std::vector<FrameRecord>& frames = sheets[number.at(record->sheet)].frames;
     frames.push_back(std::move(*record));

@@ -17,7 +17,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 namespace paperbake {
 namespace {
@@ -128,9 +127,7 @@ class Verifier {
     if (cache->sheets().size() > longer_side.size())
       return differs({}, file, "It does not hold the sheets of the certificate.");
     std::vector<std::size_t> seen(longer_side.size(), 0);
-    std::istringstream lines(read("cert/frames.jsonl"));
-    for (std::string line; std::getline(lines, line);) {
-      const std::optional<FrameRecord> record = parse_frame_line(line);
+    for (const auto& record : parse_frame_lines(read("cert/frames.jsonl"))) {
       if (!record || !sheet_number.count(record->sheet)) {
         differs({}, "cert/frames.jsonl", "A line of it is not one that was written.");
         continue;

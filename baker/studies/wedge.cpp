@@ -22,7 +22,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <optional>
-#include <sstream>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -103,9 +102,8 @@ Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
 /// Frames of a certificate that have the number of the last one: one for each sheet.
 std::vector<FrameRecord> last_frames(const fs::path& lines) {
   std::vector<FrameRecord> last;
-  std::istringstream stream(read_file(lines).value_or(""));
-  for (std::string line; std::getline(stream, line);)
-    if (std::optional<FrameRecord> record = parse_frame_line(line)) {
+  for (std::optional<FrameRecord>& record : parse_frame_lines(text_of(lines)))
+    if (record) {
       if (!last.empty() && last.front().frame != record->frame) last.clear();
       last.push_back(std::move(*record));
     }

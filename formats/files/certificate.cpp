@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <sstream>
 
 namespace paperbake {
 namespace {
@@ -134,6 +135,13 @@ std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
   return r;
 } catch (const Json::exception&) {
   return std::nullopt;
+}
+
+std::vector<std::optional<FrameRecord>> parse_frame_lines(const std::string& text) {
+  std::vector<std::optional<FrameRecord>> records;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) records.push_back(parse_frame_line(line));
+  return records;
 }
 
 std::string csv_field(const std::string& text) {

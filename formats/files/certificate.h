@@ -70,6 +70,9 @@ std::string frame_line(const FrameRecord&);
 /// returns  nothing if the text is not such a line
 std::optional<FrameRecord> parse_frame_line(const std::string& line);
 
+/// Reads the lines of cert/frames.jsonl, each like this.
+std::vector<std::optional<FrameRecord>> parse_frame_lines(const std::string& text);
+
 /// CSV with the columns
 ///   frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state
 /// with all lengths in metres and one of held, free, soft and jammed as state. Names with commas,
