@@ -43,7 +43,7 @@ std::vector<SheetIslands::Island> merge_islands(std::vector<SheetIslands::Island
 }
 
 /// Positions of a sheet at a time of the frame (0: start, 1: end), linear between the recorded
-/// ones.
+/// ones, of which the last is at 1.
 Points3 positions_at(const std::vector<TrajectoryPoint>& trajectory, double at) {
   const auto next = std::find_if(trajectory.begin(), trajectory.end(),
                                  [&](const TrajectoryPoint& p) { return p.at >= at; });

@@ -198,7 +198,7 @@ struct Elastic::Impl {
 
 /// Moves x to the initial guess of least potential. With contact, each guess is first shortened so
 /// that the straight motion from `before` to it is collision-free.
-/// throws Error(ErrorCode::simulation) when the potential of no guess is finite
+/// throws  EnergyNotFinite when the potential of no guess is finite
 void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
                           std::vector<Points3>& guesses, Points3& x);
 
