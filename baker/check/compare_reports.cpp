@@ -45,7 +45,7 @@ std::string escaped(const std::string& text) {
 }
 
 /// A number of the certificate as text; "-" where a bake does not have it.
-std::string text_of(const Json& summary, const std::string& pointer, const char* unit) {
+std::string measured_text(const Json& summary, const std::string& pointer, const char* unit) {
   const Json::json_pointer place(pointer);
   if (!summary.contains(place) || summary[place].is_null()) return "\u2013";
   const Json& value = summary[place];
@@ -77,7 +77,8 @@ std::vector<Row> measured_rows(const Json& a, const Json& b) {
   }};
   std::vector<Row> rows;
   for (const Measured& m : asked)
-    rows.push_back({m.what, text_of(a, m.pointer, m.unit), text_of(b, m.pointer, m.unit)});
+    rows.push_back(
+        {m.what, measured_text(a, m.pointer, m.unit), measured_text(b, m.pointer, m.unit)});
   return rows;
 }
 

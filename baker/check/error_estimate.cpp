@@ -30,7 +30,7 @@ constexpr double of_another_paper = 1.3;   // [1] so much more energy on the fin
 constexpr int about_a_snap = 6;            // [frames]
 constexpr double drop_of_a_snap = 0.3;     // [1] of the energy
 
-std::string text_of(const fs::path& path) {
+std::string required_text(const fs::path& path) {
   if (auto text = read_file(path)) return *text;
   throw Error(ErrorCode::command, path.string(), "There is no such file, or it cannot be read.",
               "Name the output folder of a bake with cache and certificate.");
@@ -165,7 +165,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
     sheets.push_back(std::move(sheet));
   }
   std::map<std::pair<std::size_t, std::string>, int> handle_number;
-  for (const HandleRecord& record : parse_handles_csv(text_of(folder / "cert/handles.csv"))) {
+  for (const HandleRecord& record : parse_handles_csv(required_text(folder / "cert/handles.csv"))) {
     const std::size_t s = number.at(record.sheet);
     const auto [at, is_new] = handle_number.try_emplace(
         {s, record.handle}, static_cast<int>(sheets[s].shot.handles.size()));
@@ -206,7 +206,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
   std::string cache_file;
   Json summary;
   try {
-    summary = parse_json(text_of(folder / "cert/summary.json"));
+    summary = parse_json(required_text(folder / "cert/summary.json"));
     for (const auto& [file, hash] : summary.at("files").items())
       if (fs::path(file).extension() == ".abc") cache_file = file;
   } catch (const Json::exception&) {

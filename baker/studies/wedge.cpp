@@ -52,11 +52,11 @@ class WaitingLock {
   int lock_;
 };
 
-std::string text_of(const fs::path& file) { return read_file(file).value_or(""); }
+std::string text_or_nothing(const fs::path& file) { return read_file(file).value_or(""); }
 
 /// A JSON object of a file; empty when there is none.
 Json read_object(const fs::path& file) {
-  const std::optional<Json> read = try_parse_json(text_of(file));
+  const std::optional<Json> read = try_parse_json(text_or_nothing(file));
   return read && read->is_object() ? *read : Json::object();
 }
 
@@ -72,7 +72,7 @@ std::string inputs_key(const BakeSettings& settings) {
       bytes += "/" + name + "=" + given.text;
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
-  return hex(content_hash(bytes + "/" + text_of(settings.scene)));
+  return hex(content_hash(bytes + "/" + text_or_nothing(settings.scene)));
 }
 
 /// The columns of a bake's results, in the order of wedge.csv.
@@ -102,7 +102,7 @@ Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
 /// Frames of a certificate that have the number of the last one: one for each sheet.
 std::vector<FrameRecord> last_frames(const fs::path& lines) {
   std::vector<FrameRecord> last;
-  for (std::optional<FrameRecord>& record : parse_frame_lines(text_of(lines)))
+  for (std::optional<FrameRecord>& record : parse_frame_lines(text_or_nothing(lines)))
     if (record) {
       if (!last.empty() && last.front().frame != record->frame) last.clear();
       last.push_back(std::move(*record));
@@ -228,7 +228,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
   for (std::size_t s = 0; s < reader.sheets().size(); ++s)
     panel.sheets.push_back(reader.frame(s, reader.sheets()[s].frames - 1));
   const std::vector<HandleRecord> handles =
-      parse_handles_csv(text_of(folder / "cert" / "handles.csv"));
+      parse_handles_csv(text_or_nothing(folder / "cert" / "handles.csv"));
   for (const HandleRecord& handle : handles)
     if (handle.frame == handles.back().frame && handle.state != HandleFrame::free)
       panel.handles.push_back(handle);
@@ -353,7 +353,8 @@ WedgeOutcome finish_wedge(const Wedge& wedge) {
   outcome.files = {csv, json, png};
   outcome.table = table_text(wedge, records);
   const std::string table = table_csv(wedge, records), text = table_json(wedge, records);
-  if (fs::is_regular_file(png) && text_of(csv) == table && text_of(json) == text) return outcome;
+  if (fs::is_regular_file(png) && text_or_nothing(csv) == table && text_or_nothing(json) == text)
+    return outcome;
   write_atomically(csv, table);
   write_png(png, picture(wedge, records));
   write_atomically(json, text);  // the last: with it the others are known to be of the same bakes
