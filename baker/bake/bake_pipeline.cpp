@@ -10,6 +10,7 @@
 #include "baker/output/summary.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/bytes_of.h"
 #include "formats/files/collider_record.h"
 
 #include <algorithm>
@@ -175,8 +176,7 @@ std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) con
   for (const std::size_t s : sheets) {
     key += fmt::format(" {}", s);
     for (const RecordedFrame& frame : recorders_[s]->record().frames())
-      key += hex(content_hash({reinterpret_cast<const char*>(frame.x.data()),
-                               sizeof(float) * static_cast<std::size_t>(frame.x.size())}));
+      key += hex(content_hash(bytes_of_values(frame.x)));
   }
   return hex(content_hash(key));
 }

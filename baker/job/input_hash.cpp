@@ -4,6 +4,7 @@
 #include "core/animation/folding_hands.h"
 #include "core/geometry/collider.h"
 #include "formats/cache/content_hash.h"
+#include "formats/files/bytes_of.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -13,48 +14,47 @@
 namespace paperbake {
 namespace {
 
-/// Appends the bytes of numbers, for a hash.
-template <class Matrix>
-void append_bytes(std::string& bytes, const Matrix& values) {
-  bytes.append(reinterpret_cast<const char*>(values.data()),
-               sizeof(typename Matrix::Scalar) * values.size());
-}
-
 std::string start_bytes(const Shot& shot, unsigned seed, const std::string& settings) {
   std::string bytes = settings + shot.sheet_name + fmt::format("/{}/", seed);
-  for (const Vector2d& p : shot.pattern.outline) append_bytes(bytes, p);
+  for (const Vector2d& p : shot.pattern.outline) bytes += bytes_of_values(p);
   for (const auto& hole : shot.pattern.holes)
-    for (const Vector2d& p : hole) append_bytes(bytes, p);
-  append_bytes(bytes, shot.start.pattern);
-  append_bytes(bytes, shot.start.x);
-  append_bytes(bytes, shot.start.triangles);
-  for (const Vector2d& p : shot.singular_point_rules.fixed) append_bytes(bytes += "keep", p);
-  for (const SingularPointRules::Disc& disc : shot.singular_point_rules.forbidden)
-    append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
+    for (const Vector2d& p : hole) bytes += bytes_of_values(p);
+  bytes += bytes_of_values(shot.start.pattern);
+  bytes += bytes_of_values(shot.start.x);
+  bytes += bytes_of_values(shot.start.triangles);
+  for (const Vector2d& p : shot.singular_point_rules.fixed) {
+    bytes += "keep";
+    bytes += bytes_of_values(p);
+  }
+  for (const SingularPointRules::Disc& disc : shot.singular_point_rules.forbidden) {
+    bytes += fmt::format("forbid/{}/", disc.radius);
+    bytes += bytes_of_values(disc.centre);
+  }
   for (const PrescribedCrease& fold : shot.pattern.prescribed_creases) {
     bytes += fmt::format("fold/{}/{}/", fold.angle, fold.folded);
-    for (const Vector2d& p : fold.line) append_bytes(bytes, p);
+    for (const Vector2d& p : fold.line) bytes += bytes_of_values(p);
   }
   for (const Handle& handle : shot.handles) {
     bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame,
                          handle.release_frame, handle.radius.value_or(-1), handle.stiffness);
-    append_bytes(bytes, handle.pattern);
+    bytes += bytes_of_values(handle.pattern);
   }
   for (const FoldingHands& hands : shot.hands) {
     const auto add = [&](const Segment2& part) {
-      append_bytes(bytes, part.a), append_bytes(bytes, part.b);
+      bytes += bytes_of_values(part.a);
+      bytes += bytes_of_values(part.b);
     };
     bytes += "hands";
     add(hands.line);
     for (const Segment2& part : hands.parts) add(part);
-    append_bytes(bytes, hands.between);
+    bytes += bytes_of_values(hands.between);
     if (hands.beyond) bytes += fmt::format("beyond/{}/{}", hands.beyond->own, hands.beyond->others);
   }
   if (shot.colliders)
     for (const Collider& collider : *shot.colliders) {
       bytes += fmt::format("{}/{}/", collider.mesh().name, collider.mesh().friction);
-      append_bytes(bytes, collider.mesh().x);
-      append_bytes(bytes, collider.mesh().triangles);
+      bytes += bytes_of_values(collider.mesh().x);
+      bytes += bytes_of_values(collider.mesh().triangles);
     }
   return bytes;
 }
@@ -63,11 +63,12 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
 std::string authored_bytes(const Shot& shot) {
   std::string bytes;
   if (!shot.authored) return bytes;
-  for (const AuthoredAttribute& a : shot.authored->attributes)
-    append_bytes(bytes += a.kind == AttributeKind::uv
-                              ? fmt::format("uv/{}/", a.name)
-                              : fmt::format("{}/{}/{}/", int(a.kind), a.values.cols(), a.name),
-                 a.values);
+  for (const AuthoredAttribute& a : shot.authored->attributes) {
+    bytes += a.kind == AttributeKind::uv
+                 ? fmt::format("uv/{}/", a.name)
+                 : fmt::format("{}/{}/{}/", int(a.kind), a.values.cols(), a.name);
+    bytes += bytes_of_values(a.values);
+  }
   for (const std::string& material : shot.authored->materials) bytes += "material/" + material;
   for (const int material : shot.authored->material_of) bytes += fmt::format("/{}", material);
   for (const auto& [key, value] : shot.authored->properties) {
@@ -106,7 +107,7 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
   std::string bytes = before;
   for (const Shot& shot : shots) {
     for (const Handle& handle : shot.handles) {
-      append_bytes(bytes, keyed_position(handle, frame - first_frame));
+      bytes += bytes_of_values(keyed_position(handle, frame - first_frame));
       bytes += handle.held(frame) ? 'h' : 'f';
     }
     // what hands press may depend on later keys
@@ -115,8 +116,7 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
     if (shot.colliders)
       for (const Collider& collider : *shot.colliders)
         if (const auto& frames = collider.frames(); !frames.empty())
-          append_bytes(
-              bytes,
+          bytes += bytes_of_values(
               frames[std::clamp(frame - first_frame, 0, static_cast<int>(frames.size()) - 1)]);
   }
   return hex(content_hash(bytes));
@@ -141,7 +141,7 @@ void hash_inputs(BakePlan& plan) {
   std::string job, values = std::string(program_version) + "\n", of_simulation = values;
   for (const Wind& wind : plan.animation.elastic.air.winds) {
     values += fmt::format("wind/{}/{}/{}/", wind.name, wind.gust, wind.seed);
-    append_bytes(values, wind.velocity);
+    values += bytes_of_values(wind.velocity);
   }
   of_simulation = values;
   for (const UsedValue& value : plan.used) {

@@ -4,6 +4,7 @@
 #include "baker/output/frame_curves.h"
 #include "baker/output/report_parts.h"
 #include "core/geometry/collider_motion.h"
+#include "formats/files/bytes_of.h"
 #include "formats/files/json.h"
 
 #include <algorithm>
@@ -29,8 +30,7 @@ std::string base64(std::string_view bytes) {
 
 template <class Values>
 std::string base64_of(const Values& values) {
-  return base64(
-      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof *values.data()});
+  return base64(bytes_of_values(values));
 }
 
 void replace(std::string& page, std::string_view mark, std::string_view text) {

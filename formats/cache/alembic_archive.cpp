@@ -1,5 +1,7 @@
 #include "formats/cache/alembic_archive.h"
 
+#include "formats/files/bytes_of.h"
+
 #include <algorithm>
 #include <cassert>
 #include <iterator>
@@ -76,7 +78,7 @@ OgawaBlock write_samples(Archive& archive, const Property& property, std::string
     children.push_back(property.samples[i].block);
     // empty dimensions: readers take the count from the size
     if (property.type == PropertyType::array) children.push_back(empty_data);
-    content += raw(property.samples[i].key);
+    content += bytes_of_values(property.samples[i].key);
   }
   return archive.file.group(children);
 }
@@ -115,8 +117,8 @@ WrittenObject write_object(Archive& archive, const Object& object) {
     names += child.name;
     names += static_cast<char>(metadata_number(archive, child.metadata));
   }
-  std::string hashes(raw(content_hash(content)));
-  hashes += raw(content_hash(children_content));
+  std::string hashes(bytes_of_values(content_hash(content)));
+  hashes += bytes_of_values(content_hash(children_content));
   blocks.push_back(archive.file.data({names, hashes}));
   return {archive.file.group(blocks), hashes};
 }
@@ -135,7 +137,7 @@ Sample store(Archive& archive, std::string_view bytes) {
   const ContentKey key = content_hash(bytes);
   if (bytes.empty()) return {empty_data, key};
   OgawaBlock& block = archive.stored[{key, bytes.size()}];
-  if (block == 0) block = archive.file.data({raw(key), bytes});
+  if (block == 0) block = archive.file.data({bytes_of_values(key), bytes});
   return {block, key};
 }
 

@@ -69,12 +69,6 @@ struct Archive {
   std::vector<std::string> metadata;
 };
 
-/// A view of the bytes of an array or matrix in memory.
-template <class Values>
-std::string_view raw(const Values& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof *values.data()};
-}
-
 /// Stores a value in the file, unless the same bytes have been stored before for any property.
 Sample store(Archive&, std::string_view bytes);
 

@@ -1,6 +1,7 @@
 #include "formats/cache/alembic_guides.h"
 
 #include "formats/cache/alembic_properties.h"
+#include "formats/files/bytes_of.h"
 
 #include <cstdint>
 
@@ -15,7 +16,7 @@ std::string whole_number_of(const char* scope) {
 }
 
 Sample store_whole(Archive& archive, const std::vector<int>& numbers) {
-  return store(archive, raw(std::vector<std::int32_t>(numbers.begin(), numbers.end())));
+  return store(archive, bytes_of_values(std::vector<std::int32_t>(numbers.begin(), numbers.end())));
 }
 
 using Geometry = GuideFrame::Geometry;
@@ -53,7 +54,7 @@ Object folds_of(Archive& archive, const std::vector<GuideFrame>& frames, const s
                     column(frames, &GuideFrame::folds, channel));
   };
   const std::vector<char> linear{1, 0, 0, 0};  // straight, open, without a basis
-  const std::vector<Sample> type(frames.size(), store(archive, raw(linear)));
+  const std::vector<Sample> type(frames.size(), store(archive, bytes_of_values(linear)));
   std::vector<Property> members{
       box_property(".selfBnds", column(frames, &GuideFrame::folds, &Geometry::bounds)),
       array("P", point_metadata, Pod::f32, 3, &Geometry::positions),
@@ -74,18 +75,18 @@ Object folds_of(Archive& archive, const std::vector<GuideFrame>& frames, const s
 GuideFrame store_guides(Archive& archive, const CacheGuides& guides) {
   GuideFrame frame;
   const Floats3 points = y_up(guides.points), folds = y_up(guides.folds);
-  frame.points.bounds = store(archive, raw(box_of(points).sides));
-  frame.points.positions = store(archive, raw(points));
-  frame.points.sizes = store(
-      archive, raw(std::vector<std::uint64_t>(guides.point_id.begin(), guides.point_id.end())));
+  frame.points.bounds = store(archive, bytes_of_values(box_of(points).sides));
+  frame.points.positions = store(archive, bytes_of_values(points));
+  frame.points.sizes = store(archive, bytes_of_values(std::vector<std::uint64_t>(
+                                          guides.point_id.begin(), guides.point_id.end())));
   frame.points.id = store_whole(archive, guides.point_id);
   frame.points.birth = store_whole(archive, guides.point_birth);
-  frame.folds.bounds = store(archive, raw(box_of(folds).sides));
-  frame.folds.positions = store(archive, raw(folds));
+  frame.folds.bounds = store(archive, bytes_of_values(box_of(folds).sides));
+  frame.folds.positions = store(archive, bytes_of_values(folds));
   frame.folds.sizes = store_whole(archive, guides.fold_size);
   frame.folds.id = store_whole(archive, guides.fold_id);
   frame.folds.birth = store_whole(archive, guides.fold_birth);
-  frame.folds.angle = store(archive, raw(guides.angle.cast<float>().eval()));
+  frame.folds.angle = store(archive, bytes_of_values(guides.angle.cast<float>().eval()));
   return frame;
 }
 

@@ -1,6 +1,7 @@
 #include "formats/cache/alembic_mesh.h"
 
 #include "formats/cache/material_faces.h"
+#include "formats/files/bytes_of.h"
 #include "formats/files/own_names.h"
 
 #include <algorithm>
@@ -47,12 +48,14 @@ void store_surface(Archive& archive, const MeshSurface& surface, MeshFrame& samp
     const FloatRows values = (attribute.values.cast<float>().array() + 0.0f).matrix();
     const Triangles of_corner = clockwise(attribute.of_corner);
     if (is_list(attribute))
-      samples.attributes.push_back({store(archive, raw(of_corners(values, of_corner))), {}});
+      samples.attributes.push_back(
+          {store(archive, bytes_of_values(of_corners(values, of_corner))), {}});
     else
-      samples.attributes.push_back({store(archive, raw(values)), store(archive, raw(of_corner))});
+      samples.attributes.push_back(
+          {store(archive, bytes_of_values(values)), store(archive, bytes_of_values(of_corner))});
   }
   for (std::size_t m = 0; m < surface.materials.size(); ++m)
-    samples.face_sets.push_back(store(archive, raw(faces_of(surface, m))));
+    samples.face_sets.push_back(store(archive, bytes_of_values(faces_of(surface, m))));
 }
 
 }  // namespace
@@ -67,15 +70,15 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame, const Mesh& mes
 
   MeshFrame samples;
   samples.box = box_of(points);
-  samples.bounds = store(archive, raw(samples.box.sides));
-  samples.points = store(archive, raw(points));
-  samples.velocities = store(archive, raw(velocities));
-  samples.normals = store(archive, raw(normals));
-  samples.normal_indices = store(archive, raw(normal_of_corner));
-  samples.colours = store(archive, raw(colours(frame.crease)));
-  samples.indices = store(archive, raw(triangles));
-  samples.counts = store(archive, raw(corners_of_faces));
-  samples.pattern = store(archive, raw(uv));
+  samples.bounds = store(archive, bytes_of_values(samples.box.sides));
+  samples.points = store(archive, bytes_of_values(points));
+  samples.velocities = store(archive, bytes_of_values(velocities));
+  samples.normals = store(archive, bytes_of_values(normals));
+  samples.normal_indices = store(archive, bytes_of_values(normal_of_corner));
+  samples.colours = store(archive, bytes_of_values(colours(frame.crease)));
+  samples.indices = store(archive, bytes_of_values(triangles));
+  samples.counts = store(archive, bytes_of_values(corners_of_faces));
+  samples.pattern = store(archive, bytes_of_values(uv));
   // the uv of a corner is that of its vertex: the indices equal the face indices, which are stored
   // already
   samples.pattern_indices = uv.rows() == 0 ? samples.pattern : samples.indices;
@@ -177,7 +180,7 @@ std::vector<Property> user_properties(Archive& archive, const AuthoredProperties
     if (const auto* text = std::get_if<std::string>(&value))
       add(name, PropertyType::scalar, Pod::text, {text->c_str(), text->size() + 1});
     else if (const auto* list = std::get_if<std::vector<double>>(&value))
-      add(name, PropertyType::array, Pod::f64, raw(*list));
+      add(name, PropertyType::array, Pod::f64, bytes_of_values(*list));
     else
       add(name, PropertyType::scalar, Pod::f64, bytes_of(std::get<double>(value)));
   return found;
@@ -254,7 +257,7 @@ Object archive_object(Archive& archive, const std::vector<Mesh>& meshes, std::si
     for (const Mesh& mesh : meshes)
       if (!mesh.frames.empty())
         box = around(box, mesh.frames[std::min(i, mesh.frames.size() - 1)].box);
-    bounds.push_back(store(archive, raw(box.sides)));
+    bounds.push_back(store(archive, bytes_of_values(box.sides)));
   }
   Object root;
   if (frames > 0) root.properties.push_back(box_property(".childBnds", std::move(bounds)));

@@ -1,5 +1,7 @@
 #include "formats/cache/crate_compression.h"
 
+#include "formats/files/bytes_of.h"
+
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
@@ -36,11 +38,6 @@ void append_sequence(std::string& block, std::string_view literals, std::size_t 
   block += static_cast<char>(offset & 255);
   block += static_cast<char>(offset >> 8);
   if (more >= 15) append_length(block, more - 15);
-}
-
-template <class Integer>
-void append_raw(std::string& bytes, Integer value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 /// Of equally frequent ones, the largest.
@@ -107,18 +104,18 @@ std::string compressed_integers(const std::vector<std::uint32_t>& integers) {
     if (d == common) {
     } else if (d >= INT8_MIN && d <= INT8_MAX) {
       code = 1;
-      append_raw(others, static_cast<std::int8_t>(d));
+      others += bytes_of(static_cast<std::int8_t>(d));
     } else if (d >= INT16_MIN && d <= INT16_MAX) {
       code = 2;
-      append_raw(others, static_cast<std::int16_t>(d));
+      others += bytes_of(static_cast<std::int16_t>(d));
     } else {
       code = 3;
-      append_raw(others, d);
+      others += bytes_of(d);
     }
     codes[i / 4] = static_cast<char>(static_cast<unsigned char>(codes[i / 4]) | code << i % 4 * 2);
   }
   std::string bytes;
-  append_raw(bytes, common);
+  bytes += bytes_of(common);
   return compressed(bytes + codes + others);
 }
 

@@ -1,5 +1,7 @@
 #include "formats/cache/ogawa.h"
 
+#include "formats/files/bytes_of.h"
+
 #include <utility>
 
 namespace paperbake {
@@ -34,7 +36,7 @@ OgawaBlock OgawaWriter::group(const std::vector<OgawaBlock>& children) {
   if (children.empty()) return empty_group;
   const OgawaBlock block = end_;
   append(bytes_of(std::uint64_t{children.size()}));
-  append({reinterpret_cast<const char*>(children.data()), children.size() * sizeof(OgawaBlock)});
+  append(bytes_of_values(children));
   return block;
 }
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <initializer_list>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 namespace paperbake {
@@ -16,13 +15,6 @@ namespace paperbake {
 using OgawaBlock = std::uint64_t;
 inline constexpr OgawaBlock empty_group = 0;
 inline constexpr OgawaBlock empty_data = OgawaBlock{1} << 63;
-
-/// A view of the bytes of a number, which are those of an Ogawa file (little-endian).
-template <class Number>
-std::string_view bytes_of(const Number& value) {
-  static_assert(std::is_arithmetic_v<Number>);
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
 
 /// Writes Ogawa, the container format of Alembic: a tree of groups whose leaves are blocks of data.
 /// Children are written before their group; the caller keeps only their positions, and several

@@ -2,6 +2,7 @@
 #include "formats/cache/crate_compression.h"
 #include "formats/cache/usd_layer.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/bytes_of.h"
 
 #include <algorithm>
 #include <cstring>
@@ -50,11 +51,11 @@ std::uint64_t inlined(Type type, std::uint64_t payload) {
 
 template <class Number>
 std::string raw(Number value) {
-  return {reinterpret_cast<const char*>(&value), sizeof value};
+  return std::string(bytes_of(value));
 }
 template <class Number>
 std::string_view raw(const std::vector<Number>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)};
+  return bytes_of_values(values);
 }
 
 /// Preceded by its size.
