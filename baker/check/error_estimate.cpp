@@ -42,8 +42,7 @@ struct BakedSheet {
   double side;  // [m]
   Shot shot;
   std::vector<FrameRecord> frames;
-  // by frame: handle and where it has the sheet
-  std::map<int, std::vector<std::pair<int, Vector3d>>> held;
+  std::map<int, std::vector<HeldHandle>> held;  // by frame
 };
 
 Sheet as_sheet(const CacheFrame& frame, double side) {
@@ -94,15 +93,10 @@ class Estimator {
                         : "the sheet lies on a collider, which is not in the files";
       return e;
     }
-    std::vector<int> held;
-    Points3 held_at(0, 3);
-    if (const auto found = sheet_.held.find(now.frame); found != sheet_.held.end())
-      for (const auto& [handle, where] : found->second) {
-        held.push_back(handle);
-        held_at.conservativeResize(held.size(), 3);
-        held_at.bottomRows(1) = where.transpose();
-      }
-    const Polished polished = fine_(baked, held, held_at);
+    const auto found = sheet_.held.find(now.frame);
+    const std::vector<HeldHandle> held =
+        found == sheet_.held.end() ? std::vector<HeldHandle>{} : found->second;
+    const Polished polished = fine_(baked, held);
     e.rms_pct = 100 * polished.moved / sheet_.side;
     e.energy_loss_pct = energy > 0 ? 100 * (1 - polished.energy / energy) : 0;
     e.uncertain = doubt(sheet_, at);
@@ -112,7 +106,7 @@ class Estimator {
       e.uncertain = "the finer mesh did not come to rest";
     if (e.uncertain.empty() && polished.near_itself)
       e.uncertain = "the sheet comes near itself, which the estimate does not feel";
-    if (e.uncertain.empty()) e.lower_branch_pct = lower_branch(baked, held, held_at, now.frame);
+    if (e.uncertain.empty()) e.lower_branch_pct = lower_branch(baked, held, now.frame);
     return e;
   }
 
@@ -125,14 +119,13 @@ class Estimator {
   }
 
   /// On a coarser mesh: a branch that is lower there is lower.
-  double lower_branch(const Sheet& baked, const std::vector<int>& held, const Points3& held_at,
-                      int frame) {
-    Polished relaxed = coarse_(baked, held, held_at);
+  double lower_branch(const Sheet& baked, const std::vector<HeldHandle>& held, int frame) {
+    Polished relaxed = coarse_(baked, held);
     if (!relaxed.converged) return 0;
     Elastic elastic(sheet_.shot.paper, options_);
     elastic.set_mesh(relaxed.sheet, coarse_.mesh().stiffening);
-    const BranchSearch found = probe_branches(relaxed.sheet, elastic, {coarse_.grip(held, held_at)},
-                                              {1.0 / 24, 0, frame, waves});
+    const BranchSearch found = probe_branches(
+        relaxed.sheet, elastic, {coarse_.constraints_of(held)}, {1.0 / 24, 0, frame, waves});
     return found.taken ? 100 * (found.before - found.after) / std::abs(found.before) : 0;
   }
 

@@ -66,19 +66,19 @@ Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangle
   elastic_.set_mesh(started_.sheet, started_.stiffening);
 }
 
-PositionConstraints Polisher::grip(const std::vector<int>& held, const Points3& held_at) const {
-  PositionConstraints grip;
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    const int vertex = started_.handle_vertex[held[k]];
-    if (std::none_of(grip.begin(), grip.end(),
+PositionConstraints Polisher::constraints_of(const std::vector<HeldHandle>& held) const {
+  PositionConstraints constraints;
+  for (const HeldHandle& h : held) {
+    const int vertex = started_.handle_vertex[h.handle];
+    if (std::none_of(constraints.begin(), constraints.end(),
                      [&](const PositionConstraint& c) { return c.vertex == vertex; }))
-      grip.push_back({vertex, held_at.row(k)});
+      constraints.push_back({vertex, h.at});
   }
-  return grip;
+  return constraints;
 }
 
-Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
-                              const Points3& held_at, const PlasticGrid* plastic_grid) {
+Polished Polisher::operator()(const Sheet& rough, const std::vector<HeldHandle>& held,
+                              const PlasticGrid* plastic_grid) {
   constexpr double dt = 1;  // [s] so long that the inertia term holds nothing back
   Polished result;
   Sheet& sheet = result.sheet;
@@ -88,7 +88,7 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
   }
   sheet = started_.sheet;
   sheet.x = set_shape(sheet.pattern, rough, rough.triangles.rows() < sheet.triangles.rows());
-  const PositionConstraints now = grip(held, held_at);
+  const PositionConstraints now = constraints_of(held);
   for (const PositionConstraint& c : now) sheet.x.row(c.vertex) = c.target;
   const Points3 given = sheet.x;
 

@@ -20,6 +20,12 @@ struct Polished {
   bool near_itself = false;  // parts came near each other; there is no self-contact here
 };
 
+/// A handle that holds the sheet in a frame.
+struct HeldHandle {
+  int handle;   // index in the shot
+  Vector3d at;  // [m] where it holds the sheet
+};
+
 /// Refines frames to equilibrium. Fine finite elements (step 1 on a fixed mesh) start from a shape
 /// that another method found, and end at the nearest minimum, on the branch of that shape. Frames
 /// are independent: they may be polished in any order and in parallel, with one object for each
@@ -33,19 +39,18 @@ class Polisher {
   /// triangles  the mesh has about so many, and no more
   Polisher(const Shot&, const ElasticOptions&, int triangles, const RenderFeatures& features = {});
 
-  /// rough    the shape, on any mesh of the pattern; a mesh coarser than this one stands for a
-  ///          curved surface (curved_surface.h). Singular points that are vertices of this mesh are
-  ///          apices.
-  /// held     handles that hold the sheet
-  /// held_at  |held|x3 [m] where they hold it
-  /// plastic_grid   the plastic curvature at that frame; null: elastic paper. Nothing yields.
-  Polished operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at,
+  /// rough         the shape, on any mesh of the pattern; a mesh coarser than this one stands for a
+  ///               curved surface (curved_surface.h). Singular points that are vertices of this
+  ///               mesh are apices.
+  /// held          handles that hold the sheet
+  /// plastic_grid  the plastic curvature at that frame; null: elastic paper. Nothing yields.
+  Polished operator()(const Sheet& rough, const std::vector<HeldHandle>& held,
                       const PlasticGrid* plastic_grid = nullptr);
 
   const InitialSheet& mesh() const { return started_; }
 
-  /// Constraints that hold the vertices of these handles, each once, at these positions.
-  PositionConstraints grip(const std::vector<int>& held, const Points3& held_at) const;
+  /// Constraints that hold the vertices of these handles, each once, where they hold the sheet.
+  PositionConstraints constraints_of(const std::vector<HeldHandle>& held) const;
 
  private:
   InitialSheet started_;  // with the singular points of the last frame

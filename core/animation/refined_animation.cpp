@@ -173,17 +173,14 @@ class PolishedShot {
       return result;
     }
     const double start_ms = cpu_ms();
-    std::vector<int> held;
-    Points3 held_at(0, 3);
+    std::vector<HeldHandle> held;
     for (std::size_t h = 0; h < rough.frame.handles.size(); ++h) {
       const HandleFrame& handle = rough.frame.handles[h];
       if (handle.state == HandleFrame::free || takes_hold(rough, h)) continue;
-      held.push_back(static_cast<int>(h));
-      held_at.conservativeResize(held.size(), 3);
-      held_at.bottomRows(1) = (handle.at + regripped_[h]).transpose();
+      held.push_back({static_cast<int>(h), handle.at + regripped_[h]});
     }
     try {
-      result.polished = polish(rough.sheet, held, held_at, rough.plastic_grid.get());
+      result.polished = polish(rough.sheet, held, rough.plastic_grid.get());
       if (result.polished->near_itself)
         result.rejection = "parts of the sheet come near each other";
       else if (!result.polished->converged)

@@ -28,26 +28,21 @@ namespace {
 
 constexpr int every = 12, estimating = 2400;  // [frames], [triangles]
 
-struct Grasp {
-  std::vector<int> held;
-  Points3 at;  // [m]
-};
-Grasp grasp(const AnimatedFrame& frame) {
-  Grasp g;
+std::vector<HeldHandle> held_in(const AnimatedFrame& frame) {
+  std::vector<HeldHandle> held;
   for (std::size_t h = 0; h < frame.handles.size(); ++h)
-    if (frame.handles[h].state != HandleFrame::free) g.held.push_back(static_cast<int>(h));
-  g.at.resize(g.held.size(), 3);
-  for (std::size_t k = 0; k < g.held.size(); ++k) g.at.row(k) = frame.handles[g.held[k]].at;
-  return g;
+    if (frame.handles[h].state != HandleFrame::free)
+      held.push_back({static_cast<int>(h), frame.handles[h].at});
+  return held;
 }
 
 struct Timed {
   Polished polished;
   double ms;
 };
-Timed timed(Polisher& polish, const Sheet& sheet, const Grasp& g) {
+Timed timed(Polisher& polish, const Sheet& sheet, const std::vector<HeldHandle>& held) {
   const double begun = cpu_ms();
-  Polished polished = polish(sheet, g.held, g.at);
+  Polished polished = polish(sheet, held);
   return {std::move(polished), cpu_ms() - begun};
 }
 
@@ -80,27 +75,28 @@ void compare(const Case& c, int triangles, Counts& all) {
     return 100 / side * rms_distance(a, b);
   };
   double estimates_ms = 0;
-  animate(
-      shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options, [&](const AnimatedFrame& f) {
-        if (f.frame % every != 0) return true;
-        const Grasp g = grasp(f);
-        const Timed estimate = timed(estimator, *f.sheet, g), fine = timed(polisher, *f.sheet, g);
-        const Points3& truth = reference.frames[f.frame - 1];
-        const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth),
-                     estimated = 100 / side * estimate.polished.moved;
-        const bool within = std::abs(estimated / error - 1) <= 0.3;
-        ++all.frames;
-        all.within += within;
-        estimates_ms += estimate.ms;
-        std::printf(
-            "  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  "
-            "%4.0f ms, %2d it%s\n",
-            f.frame, estimated, error, estimated / error, within ? " " : "*", estimate.ms,
-            estimate.polished.iterations, pct(samples(fine.polished.sheet).x, truth), fine.ms,
-            fine.polished.iterations, fine.polished.converged ? "" : ", not at rest");
-        std::fflush(stdout);
-        return true;
-      });
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& f) {
+            if (f.frame % every != 0) return true;
+            const std::vector<HeldHandle> held = held_in(f);
+            const Timed estimate = timed(estimator, *f.sheet, held),
+                        fine = timed(polisher, *f.sheet, held);
+            const Points3& truth = reference.frames[f.frame - 1];
+            const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth),
+                         estimated = 100 / side * estimate.polished.moved;
+            const bool within = std::abs(estimated / error - 1) <= 0.3;
+            ++all.frames;
+            all.within += within;
+            estimates_ms += estimate.ms;
+            std::printf(
+                "  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  "
+                "%4.0f ms, %2d it%s\n",
+                f.frame, estimated, error, estimated / error, within ? " " : "*", estimate.ms,
+                estimate.polished.iterations, pct(samples(fine.polished.sheet).x, truth), fine.ms,
+                fine.polished.iterations, fine.polished.converged ? "" : ", not at rest");
+            std::fflush(stdout);
+            return true;
+          });
   std::printf("  spread: %.1f ms\n", estimates_ms / c.last_frame);
 }
 

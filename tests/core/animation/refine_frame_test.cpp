@@ -14,8 +14,7 @@ namespace {
 /// A frame of a shot as a method simulates it, and what holds the sheet.
 struct Taken {
   Sheet sheet;
-  std::vector<int> held;
-  Points3 held_at;
+  std::vector<HeldHandle> held;
   double energy = 0;
 };
 Taken take(const Shot& shot, const MethodChoice& method, int frame) {
@@ -26,12 +25,9 @@ Taken take(const Shot& shot, const MethodChoice& method, int frame) {
     if (f.frame < frame) return true;
     taken.sheet = *f.sheet;
     taken.energy = f.statistics.energy;
-    for (std::size_t h = 0; h < f.handles.size(); ++h) {
-      if (f.handles[h].state == HandleFrame::free) continue;
-      taken.held.push_back(static_cast<int>(h));
-      taken.held_at.conservativeResize(taken.held.size(), 3);
-      taken.held_at.bottomRows(1) = f.handles[h].at.transpose();
-    }
+    for (std::size_t h = 0; h < f.handles.size(); ++h)
+      if (f.handles[h].state != HandleFrame::free)
+        taken.held.push_back({static_cast<int>(h), f.handles[h].at});
     return true;
   });
   return taken;
@@ -42,7 +38,7 @@ TEST(RefineFrameTest, ACoarseFrameEndsWhereAFullRunOfFineFemIs) {
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 20),
               fine = take(shot, fem(1000), 20);
   Polisher polish(shot, {}, 1000);
-  const Polished polished = polish(coarse.sheet, coarse.held, coarse.held_at);
+  const Polished polished = polish(coarse.sheet, coarse.held);
   ASSERT_TRUE(polished.converged);
   const PatternSamples samples(shot.pattern);
   const auto rms = [&](const Sheet& a) {
@@ -61,11 +57,10 @@ TEST(RefineFrameTest, HandlesStayWhereTheyHoldTheSheet) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 30);
   Polisher polish(shot, {}, 400);
-  const Polished polished = polish(coarse.sheet, coarse.held, coarse.held_at);
+  const Polished polished = polish(coarse.sheet, coarse.held);
   ASSERT_EQ(coarse.held.size(), 23u);
-  for (std::size_t k = 0; k < coarse.held.size(); ++k)
-    EXPECT_EQ(polished.sheet.x.row(polish.mesh().handle_vertex[coarse.held[k]]),
-              coarse.held_at.row(k));
+  for (const HeldHandle& h : coarse.held)
+    EXPECT_EQ(polished.sheet.x.row(polish.mesh().handle_vertex[h.handle]), h.at.transpose());
 }
 
 TEST(RefineFrameTest, AFrameIsTheSameWhicheverFrameWasPolishedBeforeIt) {
@@ -74,9 +69,9 @@ TEST(RefineFrameTest, AFrameIsTheSameWhicheverFrameWasPolishedBeforeIt) {
   const Taken one = take(shot, method, 20),
               other = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 10);
   Polisher polish(shot, {}, 400);
-  const Points3 first = polish(one.sheet, one.held, one.held_at).sheet.x;
-  polish(other.sheet, other.held, other.held_at);
-  EXPECT_TRUE(polish(one.sheet, one.held, one.held_at).sheet.x == first);
+  const Points3 first = polish(one.sheet, one.held).sheet.x;
+  polish(other.sheet, other.held);
+  EXPECT_TRUE(polish(one.sheet, one.held).sheet.x == first);
 }
 
 /// Plastic curvature costs no energy: a sheet that springs back to an arch of its own keeps this
@@ -95,8 +90,7 @@ TEST(RefineFrameTest, PlasticCurvatureIsPartOfTheMinimum) {
     const double s = 10 * (arch.pattern(v, 0) - 0.05);
     arch.x.row(v) << 0.05 + std::sin(s) / 10, arch.pattern(v, 1), (std::cos(s) - 1) / 10;
   }
-  const Polished kept = polish(arch, {}, Points3(0, 3), &memory),
-                 sprung = polish(arch, {}, Points3(0, 3));
+  const Polished kept = polish(arch, {}, &memory), sprung = polish(arch, {});
   EXPECT_LT(kept.moved, 0.003 * 0.1);
   EXPECT_GT(sprung.energy_before, 1e-5);
   EXPECT_LT(kept.energy, 0.02 * sprung.energy_before);
