@@ -1,14 +1,11 @@
 #include "baker/output/sheet_intersections.h"
 
 #include "baker/output/cache_judge.h"
+#include "core/geometry/box_of.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 
 namespace paperbake {
-
-static Eigen::AlignedBox3d box_of(const Points3& x) {
-  return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
-}
 
 int SheetIntersections::add(int frame, const Sheet& simulated) {
   int count = 0;

@@ -12,4 +12,11 @@ inline Eigen::AlignedBox3d box_of(const Points3& x) {
           Vector3d(x.colwise().maxCoeff().transpose())};
 }
 
+/// A box that reaches farther to all sides. by  [m]
+inline Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
+  box.min().array() -= by;
+  box.max().array() += by;
+  return box;
+}
+
 }  // namespace paperbake

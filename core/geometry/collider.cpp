@@ -1,5 +1,6 @@
 #include "core/geometry/collider.h"
 
+#include "core/geometry/box_of.h"
 #include "core/geometry/mesh_edges.h"
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
@@ -187,23 +188,17 @@ void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sha
   corner_tree_.build(corner_boxes);
 }
 
-namespace {
-Eigen::AlignedBox3d grown(const Vector3d& low, const Vector3d& high, double by) {
-  return {low - Vector3d::Constant(by), high + Vector3d::Constant(by)};
-}
-}  // namespace
-
 void Collider::near_triangles(const Vector3d& low, const Vector3d& high, double within,
                               const std::function<void(int)>& visit) const {
-  triangle_tree_.visit(grown(low, high, within), visit);
+  triangle_tree_.visit(grown({low, high}, within), visit);
 }
 void Collider::near_edges(const Vector3d& low, const Vector3d& high, double within,
                           const std::function<void(int)>& visit) const {
-  edge_tree_.visit(grown(low, high, within), visit);
+  edge_tree_.visit(grown({low, high}, within), visit);
 }
 void Collider::near_corners(const Vector3d& low, const Vector3d& high, double within,
                             const std::function<void(int)>& visit) const {
-  corner_tree_.visit(grown(low, high, within), visit);
+  corner_tree_.visit(grown({low, high}, within), visit);
 }
 
 Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {

@@ -50,12 +50,6 @@ double distance_of(const Sheet& a, int s, const Sheet& b, int t) {
   return least;
 }
 
-Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
-  box.min().array() -= by;
-  box.max().array() += by;
-  return box;
-}
-
 }  // namespace
 
 /// Calls visit(triangle of a, triangle of b) for all pairs whose boxes are closer than `within`.

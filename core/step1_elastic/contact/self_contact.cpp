@@ -149,13 +149,16 @@ double Contact::dhat_of(const std::array<int, 4>& v, Features features) const {
 double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features features,
                                       double dhat) const {
   const int cut = second_of(features);  // corners before it belong to the first feature
-  std::vector<int> held[2];
+  int first[2] = {-1, -1}, last[2] = {-1, -1};
   for (int i = 0; i < 4; ++i)
-    if (constraint_of_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
-  if (held[0].empty() || held[1].empty()) return dhat;
+    if (constraint_of_[v[i]] >= 0) {
+      if (first[i >= cut] < 0) first[i >= cut] = v[i];
+      last[i >= cut] = v[i];
+    }
+  if (first[0] < 0 || first[1] < 0) return dhat;
   // the constrained part of either feature is a point or an edge: where it is a whole triangle, all
   // four corners are constrained, which all_held has dealt with
-  std::array<int, 4> part{held[0].front(), held[0].back(), held[1].front(), held[1].back()};
+  std::array<int, 4> part{first[0], last[0], first[1], last[1]};
   std::array<Vector3d, 4> target;
   for (int i = 0; i < 4; ++i) target[i] = hard_[constraint_of_[part[i]]].target;
   const double apart =
