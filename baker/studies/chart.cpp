@@ -85,7 +85,7 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
   std::vector<PatternSamples> samples;
   for (const Shot& shot : plan.shots) samples.emplace_back(shot.pattern);
   AnimateOptions animation = plan.animation;
-  // every run starts from the same ripple: only draws and meshes differ
+  // every run starts from the same imperfection: only draws and meshes differ
   animation.seed = start_seed;
   r.shapes.resize(sheets);
   try {

@@ -14,7 +14,8 @@ void CarriedSheet::begin(const Sheet& sheet, const StepInput& at) {
 
 void CarriedSheet::carry(SimulatedSheet& simulated, const Method& method, const Points3& start,
                          double dt) {
-  constexpr double same = 0.03;  // [1] of the longer side: what goes farther is on another branch
+  constexpr double same_branch =
+      0.03;  // [1] of the longer side: what goes farther is on another branch
   if (!sheet_) return;
   Sheet carried = simulated.sheet;
   carried.x = start;
@@ -26,7 +27,7 @@ void CarriedSheet::carry(SimulatedSheet& simulated, const Method& method, const 
     const ElasticReport settled = simulated.elastic.relax(carried, at_, dt, Relaxation::full);
     simulated.elastic.restore(known);
     if (!settled.converged || settled.contact ||
-        max_row_norm(carried.x - start) > same * simulated.side)
+        max_row_norm(carried.x - start) > same_branch * simulated.side)
       return;
   }
   sheet_ = std::move(carried);

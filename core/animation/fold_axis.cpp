@@ -74,14 +74,14 @@ class FoldAxisSearch {
   class Way {
    public:
     void add(const Turn& turn, bool is_flat) {
-      if (std::abs(turn.angle) < begun) return;
+      if (std::abs(turn.angle) < first_turn) return;
       ++rows_;
       flat_ += is_flat;
     }
     bool is_about_the_line() const { return flat_ >= least_share * rows_; }
 
    private:
-    static constexpr double begun = radians_of(20), least_share = 0.75;
+    static constexpr double first_turn = radians_of(20), least_share = 0.75;
     int rows_ = 0, flat_ = 0;
   };
 

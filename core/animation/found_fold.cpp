@@ -189,7 +189,7 @@ class Trials {
  public:
   /// steps  that lead to where the sheet is; not empty
   Trials(const UnfoldedSheet& unfolded, const std::vector<PastStep>& steps, const Method& method)
-      : is_(unfolded),
+      : unfolded_(unfolded),
         steps_(steps),
         method_(method),
         before_(unfolded),
@@ -197,11 +197,11 @@ class Trials {
 
   /// returns  whether the place is better than all that were tried before
   bool improves(const FoldLine& line) {
-    std::optional<FoundFold> fold = begin(line, Crease::folded, is_, steps_.front(), method_);
-    const bool could = fold && follow(*fold, is_, steps_);
-    if (could && steps_.front().is_now) continue_motion(*fold, is_);
-    const bool possible = could && is_possible(*fold, is_, before_);
-    is_.elastic.restore(known_);
+    std::optional<FoundFold> fold = begin(line, Crease::folded, unfolded_, steps_.front(), method_);
+    const bool could = fold && follow(*fold, unfolded_, steps_);
+    if (could && steps_.front().is_now) continue_motion(*fold, unfolded_);
+    const bool possible = could && is_possible(*fold, unfolded_, before_);
+    unfolded_.elastic.restore(known_);
     if (!could || !(fold->spent < least_)) return false;
     least_ = fold->spent;
     best = possible ? std::move(fold) : std::nullopt;
@@ -212,23 +212,25 @@ class Trials {
   /// Whether the sheet is being folded, too, if it takes the steps unfolded on the mesh of the best
   /// place. If it is not, its bend was one of its mesh.
   bool bends_on_other_mesh() const {
-    std::optional<FoundFold> same = begin(best_line_, Crease::none, is_, steps_.front(), method_);
-    bool bends = same && follow(*same, is_, steps_);
+    std::optional<FoundFold> same =
+        begin(best_line_, Crease::none, unfolded_, steps_.front(), method_);
+    bool bends = same && follow(*same, unfolded_, steps_);
     if (bends) {
       const auto memory = [&] {
-        return is_.grid.read(is_.grid.cover(same->sheet.pattern, same->sheet.triangles));
+        return unfolded_.grid.read(
+            unfolded_.grid.cover(same->sheet.pattern, same->sheet.triangles));
       };
       bends = !method_.fold_lines(same->sheet, memory()).empty() ||
-              !method_.pressed_lines(same->sheet, memory, is_.now.input.colliders.to).empty();
+              !method_.pressed_lines(same->sheet, memory, unfolded_.now.input.colliders.to).empty();
     }
-    is_.elastic.restore(known_);
+    unfolded_.elastic.restore(known_);
     return bends;
   }
 
   std::optional<FoundFold> best;  // none: paper does not fold at the best place
 
  private:
-  const UnfoldedSheet& is_;
+  const UnfoldedSheet& unfolded_;
   const std::vector<PastStep>& steps_;
   const Method& method_;
   const Before before_;

@@ -39,7 +39,8 @@ void SheetSimulation::IslandStep::take() {
 
 void SheetSimulation::IslandStep::take_part(int part) {
   const int parts = first().now_.load_parts;
-  const double begun = first().now_.followed > 0 ? first().now_.followed : double(part - 1) / parts;
+  const double part_start =
+      first().now_.followed > 0 ? first().now_.followed : double(part - 1) / parts;
   std::vector<FrameStepResult> before;
   for (const SheetSimulation* a : sheets_) before.push_back(a->now_.step);
   advance_unlocked(part);
@@ -52,7 +53,7 @@ void SheetSimulation::IslandStep::take_part(int part) {
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
     SheetSimulation& a = *sheets_[k];
     if (conditions_.trace == RecordTrajectory::yes)
-      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, begun, double(part) / parts);
+      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, part_start, double(part) / parts);
     a.end_part(before[k], part);
   }
 }

@@ -70,10 +70,10 @@ class PolishedShot {
       std::vector<std::size_t> chunk;
       for (std::size_t k = begin; k < end; ++k)
         if (wanted(frames_[k])) chunk.push_back(k);
-      const std::vector<RefinementResult> attempts = polish(chunk);
+      const std::vector<RefinementResult> results = polish(chunk);
       std::size_t next = 0;
       for (std::size_t k = begin; k < end; ++k)
-        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : RefinementResult{}, on_frame))
+        if (!show(frames_[k], wanted(frames_[k]) ? results[next++] : RefinementResult{}, on_frame))
           return false;
     }
     return true;
@@ -90,8 +90,8 @@ class PolishedShot {
       if (const std::size_t k = (2 * s + 1) * frames_.size() / (2 * samples);
           tried.empty() || tried.back() != k)
         tried.push_back(k);
-    const std::vector<RefinementResult> attempts = polish(tried);
-    const auto fit = std::count_if(attempts.begin(), attempts.end(),
+    const std::vector<RefinementResult> results = polish(tried);
+    const auto fit = std::count_if(results.begin(), results.end(),
                                    [](const RefinementResult& a) { return a.rejection.empty(); });
     return 2 * static_cast<std::size_t>(fit) >= tried.size();
   }
@@ -114,7 +114,7 @@ class PolishedShot {
       for (std::size_t h = 0; h < shot_.handles.size(); ++h)
         if (takes_hold(rough, h)) taking_hold.push_back(h);
       if (taking_hold.empty()) continue;
-      const RefinementResult found = attempt(rough, polishers_.front());
+      const RefinementResult found = refine(rough, polishers_.front());
       if (!found.rejection.empty()) continue;
       for (const std::size_t h : taking_hold)
         regripped_[h] = found.polished->sheet.x.row(mesh().handle_vertex[h]).transpose() -
@@ -137,11 +137,11 @@ class PolishedShot {
   /// Polishes these frames in parallel.
   /// returns  a result for each of them
   std::vector<RefinementResult> polish(const std::vector<std::size_t>& frames) {
-    std::vector<RefinementResult> attempts(frames.size());
+    std::vector<RefinementResult> results(frames.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&](Polisher& polish) {
       for (std::size_t k = next++; k < frames.size(); k = next++)
-        attempts[k] = attempt(frames_[frames[k]], polish);
+        results[k] = refine(frames_[frames[k]], polish);
     };
     // what another thread throws comes out here, after all are finished
     std::vector<std::future<void>> others;
@@ -149,10 +149,10 @@ class PolishedShot {
       others.push_back(std::async(std::launch::async, work, std::ref(polishers_[t])));
     work(polishers_.front());
     for (std::future<void>& other : others) other.get();
-    return attempts;
+    return results;
   }
 
-  RefinementResult attempt(const CoarseFrame& rough, Polisher& polish) const {
+  RefinementResult refine(const CoarseFrame& rough, Polisher& polish) const {
     constexpr double elsewhere = 0.1;             // [1] of the longer side
     constexpr double max_trusted_stretch = 0.01;  // [1] |l - L|/L of an edge
     RefinementResult result;
@@ -207,15 +207,15 @@ class PolishedShot {
                        depth_exact_to;
   }
 
-  bool show(CoarseFrame& rough, const RefinementResult& attempt,
+  bool show(CoarseFrame& rough, const RefinementResult& refined,
             const std::function<bool(const AnimatedFrame&)>& on_frame) const {
     AnimatedFrame& frame = rough.frame;
     frame.sheet = &rough.sheet;
     frame.plastic_grid = rough.plastic_grid.get();
-    frame.statistics.elastic_ms += attempt.ms;
-    if (!attempt.rejection.empty()) append_note(frame.note, "not polished: " + attempt.rejection);
-    if (!attempt.polished || !attempt.rejection.empty()) return on_frame(frame);
-    const Polished& polished = *attempt.polished;
+    frame.statistics.elastic_ms += refined.ms;
+    if (!refined.rejection.empty()) append_note(frame.note, "not polished: " + refined.rejection);
+    if (!refined.polished || !refined.rejection.empty()) return on_frame(frame);
+    const Polished& polished = *refined.polished;
     frame.sheet = &polished.sheet;
     frame.carried.resize(0, 3);
     frame.statistics.newton_iterations += polished.iterations;

@@ -23,13 +23,13 @@ constexpr int max_halvings_for_inertia = 8;
 constexpr double sleep_threshold = 1e-5;
 
 /// Puts the held vertices of the start shape at their targets and returns true, unless one of them
-/// is farther away than `same`. The first frame then shows the sheet as it was modelled: relaxing
+/// is farther away than `near`. The first frame then shows the sheet as it was modelled: relaxing
 /// it would lose a slight arch that tells it which way to buckle, and handles that lie a little
 /// below such an arch are no reason to relax it.
 bool move_to_near_targets(Sheet& sheet, const PositionConstraints& constraints, double side) {
-  const double same = 5e-4 * side;  // [m]
+  const double near = 5e-4 * side;  // [m]
   for (const PositionConstraint& c : constraints)
-    if ((sheet.x.row(c.vertex) - c.target.transpose()).norm() > same) return false;
+    if ((sheet.x.row(c.vertex) - c.target.transpose()).norm() > near) return false;
   for (const PositionConstraint& c : constraints) sheet.x.row(c.vertex) = c.target;
   return true;
 }

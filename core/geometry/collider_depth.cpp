@@ -121,7 +121,7 @@ class ColliderDepth::Part {
 
  private:
   /// A point and what is known of it.
-  struct Probe {
+  struct DepthSample {
     Vector3d at;
     double depth;  // [m] negative: its distance, outside
     int face;      // the nearest
@@ -197,7 +197,7 @@ class ColliderDepth::Part {
     return {count, which};
   }
 
-  Probe probe(const Vector3d& p) const {
+  DepthSample sample(const Vector3d& p) const {
     const auto [nearest, primitive] = tree_.closest_point_and_primitive(point(p));
     const Vector3d at(nearest.x(), nearest.y(), nearest.z());
     const int face = static_cast<int>(primitive - faces_.cbegin());
@@ -313,19 +313,19 @@ class ColliderDepth::Part::Search {
   struct Piece {
     double most;  // [m] no point of it is deeper
     int triangle;
-    std::array<Probe, 3> corners;
+    std::array<DepthSample, 3> corners;
     Eigen::Matrix3d weights;  // of its corners in the triangle, one a column
     bool operator<(const Piece& other) const { return most < other.most; }
   };
 
   double allowed() const { return std::max(depth_exact_to, exact_share * best_.depth); }
 
-  const Probe& at_vertex(int v) {
+  const DepthSample& at_vertex(int v) {
     if (known_[v] < 0) {
-      known_[v] = static_cast<int>(probes_.size());
-      probes_.push_back(part_.probe(row(x_, v)));
+      known_[v] = static_cast<int>(samples_.size());
+      samples_.push_back(part_.sample(row(x_, v)));
     }
-    return probes_[known_[v]];
+    return samples_[known_[v]];
   }
 
   void look_at(int t) {
@@ -336,7 +336,7 @@ class ColliderDepth::Part::Search {
         std::max({(c[0] - c[1]).norm(), (c[1] - c[2]).norm(), (c[2] - c[0]).norm()});
     bool some_inside = false, lies_on_one = !part_.closed_;
     for (int i = 0; i < 3; ++i) {
-      const Probe& corner = at_vertex(triangles_(t, i));
+      const DepthSample& corner = at_vertex(triangles_(t, i));
       if (corner.depth < -longest) return;
       some_inside |= corner.depth > 0;
       lies_on_one &= std::abs(corner.depth) < depth_exact_to &&
@@ -365,7 +365,7 @@ class ColliderDepth::Part::Search {
     };
     double outside = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
-      const Probe& corner = piece.corners[i];
+      const DepthSample& corner = piece.corners[i];
       use(corner.face);
       improve(corner.depth, piece.triangle, piece.weights.col(i));
       double radius = 0;
@@ -383,9 +383,9 @@ class ColliderDepth::Part::Search {
       const LinearMaximum most = maximize_least(functions);
       piece.most = std::min(outside, most.value);
       if (piece.most <= best_.depth + allowed()) return;
-      const Probe there = part_.probe(most.weights[0] * piece.corners[0].at +
-                                      most.weights[1] * piece.corners[1].at +
-                                      most.weights[2] * piece.corners[2].at);
+      const DepthSample there = part_.sample(most.weights[0] * piece.corners[0].at +
+                                             most.weights[1] * piece.corners[1].at +
+                                             most.weights[2] * piece.corners[2].at);
       improve(there.depth, piece.triangle, piece.weights * most.weights);
       if (piece.most <= best_.depth + allowed()) return;
       const std::size_t before = faces.size();
@@ -404,7 +404,7 @@ class ColliderDepth::Part::Search {
     for (int k = 1; k < 3; ++k)
       if (side(k) > side(i)) i = k;
     const int j = (i + 1) % 3;
-    const Probe middle = part_.probe(0.5 * (piece.corners[i].at + piece.corners[j].at));
+    const DepthSample middle = part_.sample(0.5 * (piece.corners[i].at + piece.corners[j].at));
     for (const int replaced : {i, j}) {
       Piece half = piece;
       half.corners[replaced] = middle;
@@ -448,8 +448,8 @@ class ColliderDepth::Part::Search {
   const Part& part_;
   const Points3& x_;
   const Triangles& triangles_;
-  std::vector<int> known_;  // index of the probe of each vertex; -1: none yet
-  std::vector<Probe> probes_;
+  std::vector<int> known_;  // index of the sample at each vertex; -1: none yet
+  std::vector<DepthSample> samples_;
   std::vector<int> pierced_;
   std::priority_queue<Piece> open_;
   Penetration best_;

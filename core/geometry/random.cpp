@@ -21,9 +21,9 @@ double uniform(std::uint32_t seed, std::uint64_t index) {
          1;
 }
 
-Vector2d gaussian(const RandomEvent& e, std::uint32_t attempt) {
+Vector2d gaussian(const RandomEvent& e, std::uint32_t draw) {
   std::uint64_t key = scramble((std::uint64_t(e.seed) << 32 | e.sheet) + 0x9e3779b97f4a7c15ull);
-  key = scramble(key ^ (std::uint64_t(e.event) << 32 | attempt));
+  key = scramble(key ^ (std::uint64_t(e.event) << 32 | draw));
   const double radius = std::sqrt(-2 * std::log(1 - fraction(scramble(key + 1)))),
                angle = 2 * M_PI * fraction(scramble(key + 2));
   return radius * Vector2d(std::cos(angle), std::sin(angle));

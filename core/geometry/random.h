@@ -17,7 +17,7 @@ double uniform(std::uint32_t seed, std::uint64_t index);
 struct RandomEvent {
   std::uint32_t seed, sheet, event;
 };
-/// Two independent standard normal numbers, of each attempt others.
-Vector2d gaussian(const RandomEvent&, std::uint32_t attempt);
+/// Two independent standard normal numbers, of each draw others.
+Vector2d gaussian(const RandomEvent&, std::uint32_t draw);
 
 }  // namespace paperbake

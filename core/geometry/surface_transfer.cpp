@@ -15,9 +15,10 @@ namespace {
 /// others may be in any unit.
 double tolerance_of(const AuthoredAttribute& attribute) {
   // [1] of the largest; whole numbers up to 5 million are told apart
-  constexpr double same_uv = 1e-6, same = 2e-7;
+  constexpr double same_uv = 1e-6, same_value = 2e-7;
   const double largest = attribute.values.size() > 0 ? attribute.values.cwiseAbs().maxCoeff() : 0.0;
-  return attribute.kind == AttributeKind::uv ? same_uv * std::max(1.0, largest) : same * largest;
+  return attribute.kind == AttributeKind::uv ? same_uv * std::max(1.0, largest)
+                                             : same_value * largest;
 }
 
 /// The two triangles beside an inner edge, and which of their corners are its ends.

@@ -98,7 +98,7 @@ enum class Relaxation { coarse, full };
 struct BranchDescent {
   Points3 x;  // |V|x3 [m] where it has got to
   enum Phase { softened, true_stiffness, finished } phase = softened;
-  int attempts = 0;  // attempts in this phase that did not converge
+  int tries = 0;  // in this phase that did not converge
   bool converged = false;
 };
 

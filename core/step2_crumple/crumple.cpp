@@ -21,7 +21,7 @@ namespace {
 constexpr double beside_point = 0.5;
 // how often a ruled mesh is tried, and how much farther apart its rulings are each time [1]: the
 // first may have too many triangles, or needles
-constexpr int most_attempts = 3;
+constexpr int most_tries = 3;
 constexpr double farther_apart = 1.35;
 constexpr double rounding_of_corners = 1e-9;  // [m]
 
@@ -88,8 +88,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
       pulled.keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
   }
   std::optional<RuledMesh> mesh;
-  for (int attempt = 0; attempt < most_attempts;
-       ++attempt, options.turn_per_ruling *= farther_apart) {
+  for (int tried = 0; tried < most_tries; ++tried, options.turn_per_ruling *= farther_apart) {
     proposed_ = place_rulings(base_.polygons, field, regions_, pulled, base_.h, options);
     if (proposed_.empty()) return std::nullopt;
     mesh = ruled_mesh(base_, required, singular, proposed_, pulled.keep_out_discs, options);

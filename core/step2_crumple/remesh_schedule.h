@@ -29,7 +29,7 @@ class RemeshSchedule {
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
   // [1] how far the sheet has moved since then, in longer sides
   double accumulated_motion_ = 0;
-  double not_before_ = last_;  // [s] no attempt is made before this time
+  double not_before_ = last_;  // [s] nothing is proposed before this time
   // [s] doubled by every rejection, up to 16 times the shortest
   double retry_delay_ = min_retry_delay;
 };

@@ -14,7 +14,7 @@ namespace {
 
 // Lengths are in mean edge lengths h of the base mesh, where nothing else is said.
 
-constexpr double same = 1e-7;          // [h] points this near are one
+constexpr double one_point = 1e-7;     // [h] points this near are one
 constexpr double on_side = 10;         // [1] times that: a required point lies on a side
 constexpr double straight_on = 1e-6;   // [1] sine of the turning angle of a polygon
 constexpr double at_corner = 0.5;      // [1] of the merge distance: of a ruling that cuts a corner
@@ -111,7 +111,7 @@ class Builder {
     std::vector<std::pair<double, int>> stops;  // position along it in [0, 1], point
   };
 
-  double exact() const { return same * base_.h; }
+  double exact() const { return one_point * base_.h; }
   double near(const Ruling& r) const {
     return r.cuts_corner ? at_corner * std::min(tolerance_, options_.merge_distance * r.length())
                          : tolerance_;

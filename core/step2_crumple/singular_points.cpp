@@ -13,7 +13,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
                                             const Paper& paper, const SingularPointAim& aim,
                                             const CrumpleOptions& options,
                                             const RandomEvent& birth) {
-  constexpr int tries = 20;
+  constexpr int max_draws = 20;
   const auto clear = [&](const Vector2d& p) {
     return !options.singular_point_rules.forbids(p) &&
            std::none_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
@@ -21,8 +21,8 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
            });
   };
   const double margin = options.border_share * longer_side(pattern);
-  for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
-    const Vector2d p = aim.middle + paper.apex_scatter * gaussian(birth, attempt);
+  for (std::uint32_t draw = 0; draw < max_draws; ++draw) {
+    const Vector2d p = aim.middle + paper.apex_scatter * gaussian(birth, draw);
     if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p))
       return p;
   }

@@ -200,13 +200,13 @@ bool flag_property(const ImportedNode& node, const std::string& key) {
 std::optional<NumberOfScene> number_of_scene(
     const std::string& source, const std::vector<ImportedNode>& nodes, const std::string& key,
     const std::function<std::optional<double>(const ImportedNode&)>& read) {
-  constexpr double same = 1e-5;  // relative: 23.976 and 24000/1001 are one rate
+  constexpr double one_rate = 1e-5;  // relative: 23.976 and 24000/1001 are one rate
   std::optional<NumberOfScene> first;
   for (const ImportedNode& node : nodes) {
     const auto number = read(node);
     if (!number) continue;
     if (!first) first = {*number, node.name};
-    if (std::abs(*number - first->value) <= same * std::abs(first->value)) continue;
+    if (std::abs(*number - first->value) <= one_rate * std::abs(first->value)) continue;
     throw Error(ErrorCode::scene,
                 fmt::format("{}, nodes \"{}\" and \"{}\"", source, first->node, node.name),
                 fmt::format("{} is {:g} on the one and {:g} on the other, and it counts for the "

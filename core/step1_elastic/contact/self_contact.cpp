@@ -17,7 +17,7 @@ constexpr double max_dhat = 5e-4;      // [m]
 constexpr double pattern_share = 0.3;  // [1] dhat over the distance on the pattern
 // [1] dhat over a distance that targets or the initial positions prescribe; a pair whose dhat would
 // be less than this fraction of that of the sheets has none
-constexpr double begun_share = 0.9, min_share = 0.01;
+constexpr double gap_share = 0.9, min_share = 0.01;
 // [1] of dhat of the sheets: pairs whose dhat is less than this began so close, or have such close
 // targets, that their contact chatters; friction would jam them
 constexpr double lies_on = 0.5;
@@ -133,13 +133,13 @@ double Contact::dhat_of(const std::array<int, 4>& v, Features features) const {
     if (panels_.rows() > 0)
       dhat = std::min(
           dhat, std::max(least_between_panels_,
-                         begun_share * closest_points(corners(panels_, v), features).distance()));
+                         gap_share * closest_points(corners(panels_, v), features).distance()));
     return dhat_near_constraints(v, features, dhat);
   }
   double dhat = sheets_.dhat(a, b);
   if (sheets_.initial_positions.rows() > 0) {
     const double initial =
-        begun_share * closest_points(corners(sheets_.initial_positions, v), features).distance();
+        gap_share * closest_points(corners(sheets_.initial_positions, v), features).distance();
     if (initial < min_share * dhat) return 0;
     dhat = std::min(dhat, initial);
   }
@@ -163,7 +163,7 @@ double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features feat
   for (int i = 0; i < 4; ++i) target[i] = hard_[constraint_of_[part[i]]].target;
   const double apart =
       std::min(edge_to_edge(target).distance(), edge_to_edge(corners(start_, part)).distance());
-  const double shrunk = std::min(dhat, begun_share * apart);
+  const double shrunk = std::min(dhat, gap_share * apart);
   return shrunk < min_share * dhat ? 0 : shrunk;
 }
 

@@ -51,22 +51,22 @@ void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<in
 void Elastic::Impl::advance(BranchDescent& descent, const IncrementalPotential& W, int most,
                             ElasticReport& report) {
   const bool is_softened = descent.phase == BranchDescent::softened;
-  const IncrementalPotential gentle{{W.sheets.front().with(*softened)}, nullptr};
+  const IncrementalPotential of_softened{{W.sheets.front().with(*softened)}, nullptr};
   const MembraneStress stress =
       is_softened ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                   : softened->stress(descent.x, Points3::Zero(descent.x.rows(), 3));
-  const auto newton_ways = !is_interactive()       ? NewtonOptions::both
-                           : descent.attempts == 0 ? NewtonOptions::mixed_newton
-                                                   : NewtonOptions::line_search_newton;
+  const auto newton_ways = !is_interactive()    ? NewtonOptions::both
+                           : descent.tries == 0 ? NewtonOptions::mixed_newton
+                                                : NewtonOptions::line_search_newton;
   const NewtonReport newton = minimise(
-      is_softened ? gentle : W,
+      is_softened ? of_softened : W,
       {options.stop, most, mixed_newton_limit(most, is_interactive() ? most : 0), newton_ways},
       stress, descent.x);
   report.iterations += newton.iterations;
   descent.converged = newton.converged;
-  if (!descent.converged && is_interactive() && ++descent.attempts < max_attempts) return;
+  if (!descent.converged && is_interactive() && ++descent.tries < max_tries) return;
   descent.phase = is_softened ? BranchDescent::true_stiffness : BranchDescent::finished;
-  descent.attempts = 0;
+  descent.tries = 0;
 }
 
 bool Elastic::Impl::note_locking(const Sheet& sheet) {
@@ -104,7 +104,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
   std::optional<BranchDescent>& descent = state.second;
   const bool leaves = search.reason != BranchSearchReason::none,
              is_locked = search.reason == BranchSearchReason::locked;
-  const bool begun_before = descent.has_value();
+  const bool was_under_way = descent.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (descent) {
     descent->x = predictor->guesses(descent->x, {}, search.hard).front();
@@ -131,7 +131,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
     state.descending = false;
     x = std::move(descent->x);
     descent.reset();
-  } else if (begun_before && leaves)
+  } else if (was_under_way && leaves)
     descent = BranchDescent{search.start};  // starts again from where the main solution has got to
   else
     descent.reset();

@@ -143,7 +143,7 @@ struct Elastic::Impl {
 
   /// Advances the descent in its present phase by at most this number of iterations. On an
   /// interactive mesh one call uses one variant of Newton's method: mixed Newton at the first
-  /// attempt, line-search Newton later.
+  /// try, line-search Newton later.
   void advance(BranchDescent&, const IncrementalPotential& W, int most, ElasticReport&);
 
   /// Descends along a second branch from an unstable shape, first with the softened membrane; the

@@ -50,7 +50,7 @@ inline constexpr double min_relative_gain = 0.02;   // [1] decrease of the poten
 // [1] steps without a search on a fine mesh that was changed, after a second branch that gained
 // less
 inline constexpr int branch_cooldown_steps = 8;
-inline constexpr int max_attempts = 4;  // in one phase of the descent on the second branch
+inline constexpr int max_tries = 4;  // in one phase of the descent on the second branch
 // factor by which the membrane is softened in the first phase: its energy then has few valleys
 inline constexpr double softening = 100;
 

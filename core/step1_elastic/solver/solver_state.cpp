@@ -3,7 +3,7 @@
 
 namespace paperbake {
 
-static void archive(Serializer& a, BranchDescent& w) { a(w.x, w.phase, w.attempts, w.converged); }
+static void archive(Serializer& a, BranchDescent& w) { a(w.x, w.phase, w.tries, w.converged); }
 
 void archive(Serializer& a, SolverState& p) {
   a(p.positions, p.steps, p.remeshed, p.had_contact, p.branch_cooldown_until, p.locked_energy,
