@@ -11,7 +11,7 @@ namespace {
 
 constexpr double rigid = 2e-3;       // [1] of the longer side: a clamp keeps its distances to this
 constexpr double min_length = 0.05;  // [1] of the longer side, of a clamp
-constexpr double min_width = 0.02;   // [1] of the longer side: a plate is no line
+constexpr double min_plate = 0.02;   // [1] of the longer side: what is narrower is a line
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void Clamps::find() {
     for (const std::size_t m : members) handles.push_back(absolute_[m]);
     std::sort(handles.begin(), handles.end());
     const Vector2d size = extent_of(handles);
-    const bool is_plate = handles.size() > 2 && size[1] > min_width * side_;
+    const bool is_plate = handles.size() > 2 && size[1] > min_plate * side_;
     if (size[0] > min_length * side_ && (is_plate || !plates_only) && found.insert(handles).second)
       clamps_.push_back({handles, is_plate});
   };

@@ -49,6 +49,7 @@ std::vector<UnreachablePair> HandleFeasibility::impossible_pairs(const std::vect
 }
 
 double HandleFeasibility::project(const std::vector<int>& handles, Points3& targets) const {
+  // [1] sweeps towards the nearest feasible result, and in all, unless it settles before; assumed
   constexpr int towards = 300, sweeps = 2000;
   constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
   const Points3 asked = targets;

@@ -9,7 +9,9 @@
 namespace paperbake {
 
 std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
+  // [1] times the bending stiffness of the paper, where fingers keep it flat; assumed
   constexpr double disc_stiffening = 10;
+  constexpr double rounding = 1.001;  // [1] of the radius
   std::vector<double> factors(sheet.triangles.rows(), 1.0);
   for (std::size_t h = 0; h < shot.handles.size(); ++h) {
     const double radius = disc_radius(shot.handles, h, shot.pattern);
@@ -18,7 +20,7 @@ std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
       bool within = true;
       for (int i = 0; i < 3; ++i)
         within &= (sheet.pattern.row(sheet.triangles(t, i)).transpose() - shot.handles[h].pattern)
-                      .norm() <= 1.001 * radius;
+                      .norm() <= rounding * radius;
       if (within) factors[t] = disc_stiffening;
     }
   }

@@ -117,7 +117,8 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       release_(options.fps, options.elastic.forces.gravity),
       folds_(simulated_, *method_, options.first_frame),
       frame_(options.first_frame - 1) {
-  while (std::ldexp(1 / options.fps, -inertial_halvings_) > 1.001 * max_inertial_step &&
+  constexpr double rounding = 1.001;
+  while (std::ldexp(1 / options.fps, -inertial_halvings_) > rounding * max_inertial_step &&
          inertial_halvings_ < max_halvings_for_inertia)
     ++inertial_halvings_;
   if (options.resume_state.empty()) return;
@@ -311,6 +312,7 @@ void SheetSimulation::note_outcome() {
 
 void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
+  constexpr double worth_a_note = 1e-3;           // [1] of the potential
   now_.result.statistics.new_singular =
       static_cast<int>(sheet().singular.size() - now_.singular_before);
   note_outcome();
@@ -318,7 +320,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   note_outcome();
   yielding_ = now_.step.last.plastic_increment > 0 &&
               now_.step.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
-  if (now_.step.last.energy_gain > 1e-3)
+  if (now_.step.last.energy_gain > worth_a_note)
     add_note("snap: a second start ended " +
              std::to_string(static_cast<int>(std::lround(100 * now_.step.last.energy_gain))) +
              " % lower in energy and was taken");

@@ -212,7 +212,9 @@ class Collapses {
   }
 
   bool shapes_stay_good(int from, int to) const {
-    constexpr double good = 0.3, not_worse = 0.9;
+    // [1] the worst quality afterwards: `good` at least, or this share of what it was before, and
+    // never as little as `flat`; assumed
+    constexpr double good = 0.3, not_worse = 0.9, flat = 0.05;
     double worst_before = 1, worst = 1;
     std::vector<std::array<int, 3>> kept;  // to, b, c of each triangle that stays
     for (const int t : ring_[from]) {
@@ -223,7 +225,7 @@ class Collapses {
       kept.push_back({to, b, c});
       worst = std::min(worst, quality(sheet_, metric_, to, b, c));
     }
-    if (kept.empty() || worst <= 0.05 || (worst < good && worst < not_worse * worst_before))
+    if (kept.empty() || worst <= flat || (worst < good && worst < not_worse * worst_before))
       return false;
     for (const auto& [v, b, c] : kept) {
       if (too_compressed(sheet_, v, b) || too_compressed(sheet_, v, c)) return false;

@@ -200,7 +200,9 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
 RenderSurface make_render_surface(const Pattern& pattern, const RenderFeatures& features,
                                   double simulated_edge, Quality quality) {
   constexpr int max_triangles = 400000;
-  const double edge = (quality == Quality::draft ? 0.005 : 0.002) * longer_side(pattern) / 0.2;
+  // [m] length of an edge on a sheet of this longer side, as --quality has it; hero halves it
+  constexpr double draft = 0.005, shot = 0.002, of_side = 0.2;
+  const double edge = (quality == Quality::draft ? draft : shot) * longer_side(pattern) / of_side;
   const int refine = quality == Quality::hero ? 1 : 0;
   ShapeFitOptions options;
   options.length = simulated_edge / 6;

@@ -290,8 +290,8 @@ ElasticReport Elastic::Impl::step_without_contact(Sheet& sheet, const StepProble
 }
 
 ElasticReport Elastic::Impl::step_with_contact(Sheet& sheet, const StepProblem& step) {
-  // close to itself a softened sheet soon collides with its own parts: a second branch finds nothing
-  // better there
+  // close to itself a softened sheet soon collides with its own parts: a second branch finds
+  // nothing better there
   const NewtonOptions how{options.stop, max_contact_iterations()};
   ElasticReport report = solve(sheet, step, &*contact, how, BranchSearchMode::none);
   state.second.reset();

@@ -35,7 +35,6 @@ double grip_on(const Paper& paper) {
 
 std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConstraints& constraints,
                                            double slack) {
-  constexpr double min_width = 0.02;  // [1] of the extent of points that are not in one line
   if (constraints.size() < 3) return std::nullopt;
   Points3 from(constraints.size(), 3), to(constraints.size(), 3);
   for (std::size_t k = 0; k < constraints.size(); ++k) {

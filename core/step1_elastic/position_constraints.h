@@ -39,6 +39,10 @@ std::vector<int> vertices_of(const PositionConstraints&);
 // [m] held vertices whose distances change by less keep them
 inline constexpr double rounding_of_handles = 1e-5;
 
+// [1] of the extent of points, across it: what is narrower is in one line, about which it could
+// turn; assumed
+inline constexpr double min_width = 0.02;
+
 /// The motion that takes the held vertices to their targets as one rigid body; none: they are in
 /// one line, a constraint is soft, or a target is more than `slack` [m] off.
 /// x  |V|x3 [m] present positions

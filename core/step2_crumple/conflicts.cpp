@@ -67,6 +67,8 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
 
 Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts,
                             const std::vector<int>& members) {
+  // [1] of the size of its ring: how far from the worst vertex the core of a conflict lies at most;
+  // assumed
   constexpr double rings = 1.6;
   Vector2d by_core(0, 0), by_turn(0, 0);
   double core_weight = 0, turn = 0;

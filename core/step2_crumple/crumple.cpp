@@ -152,9 +152,10 @@ std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& r
 bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
                          const std::vector<char>& fixed, int frame) {
   // the worst vertex and those around it are one conflict
+  constexpr double around = 1.2;  // [1] of the size of the ring; assumed
   std::vector<int> members;
   const VertexRings rings(sheet.triangles, find_hinges(sheet.triangles), sheet.pattern.rows());
-  const double reach = 1.2 * ring_size(sheet, rings, worst);
+  const double reach = around * ring_size(sheet, rings, worst);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
       members.push_back(v);

@@ -132,6 +132,8 @@ class RulingPlacer {
   /// The cone whose rulings run nearly along `direction` at p, fitted to the sample points of the
   /// region in a window across the rulings.
   Cone cone_at(const Vector2d& p, int region, const Vector2d& direction) const {
+    // [1] cosine of 50 degrees between the directions in which two samples bend: with more they are
+    // of no one cone; assumed
     constexpr double aligned = 0.64;
     const Vector2d e = turned(direction);
     near_.clear();
@@ -167,7 +169,7 @@ class RulingPlacer {
   /// How far a ruling extends from p along d: as long as the sheet bends across it as it does at p.
   /// Adds the radii of curvature on the way to `radii` and their number to `count`. [m]
   double reach(const Vector2d& p, const Vector2d& d, double& radii, int& count) const {
-    constexpr int max_bad = 2;
+    constexpr int max_bad = 2;  // samples in a row, after which the ruling has ended; assumed
     double end = std::numeric_limits<double>::infinity();
     for (const auto* polygon : all_polygons())
       for (std::size_t s = 0; s < polygon->size(); ++s)

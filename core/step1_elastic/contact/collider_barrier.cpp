@@ -5,6 +5,7 @@
 namespace paperbake {
 
 ColliderBarrier collider_barrier(double d) {
+  // [N/m]; [m]; [m] where the polynomial begins
   constexpr double kappa = 200, reach = collider_dhat, first = 0.005 * reach;
   if (d >= reach) return {0, 0, 0};
   const auto at = [&](double s) -> ColliderBarrier {

@@ -10,6 +10,7 @@
 namespace paperbake {
 namespace {
 
+// [rad] q up to which the paper bends smoothly, and from which it is a ridge: measured on S4
 constexpr double smooth_turn = radians_of(6), ridge_turn = radians_of(15);
 constexpr double neighbourhood = 0.5;  // [1] of X
 constexpr int min_ends = 4;

@@ -176,8 +176,8 @@ struct Elastic::Impl {
   ElasticReport solve(Sheet&, const StepProblem&, Contact* self_contact, const NewtonOptions& how,
                       BranchSearchMode second);
 
-  /// Solves without self-contact. On an interactive mesh, an unfinished step gets further iterations
-  /// as long as paper could not have the shape.
+  /// Solves without self-contact. On an interactive mesh, an unfinished step gets further
+  /// iterations as long as paper could not have the shape.
   ElasticReport step_without_contact(Sheet&, const StepProblem&);
   ElasticReport step_with_contact(Sheet&, const StepProblem&);
   /// Solves without self-contact, and again with it if that turns out to be needed.

@@ -13,8 +13,6 @@
 namespace paperbake {
 namespace {
 
-constexpr double min_width = 0.02;  // [1] of the extent of points that are not in one line
-
 bool are_in_one_line(const Points2& points) {
   if (points.rows() < 3) return true;
   const Points2 off = points.rowwise() - points.colwise().mean();

@@ -14,8 +14,8 @@ inline constexpr int slow_convergence_iterations = 15;
 // in the next frame.
 inline constexpr int max_contact_iterations_fine = 40, max_contact_iterations_interactive = 100;
 
-// [1] How many of a step's iterations may be mixed Newton, in which the potential may rise: the rest
-// is for line-search Newton, which only descends. Assumed: two thirds, and no more than 25.
+// [1] How many of a step's iterations may be mixed Newton, in which the potential may rise: the
+// rest is for line-search Newton, which only descends. Assumed: two thirds, and no more than 25.
 // further  [1] iterations beyond these two thirds
 inline int mixed_newton_limit(int max_iterations, int further = 0) {
   return std::min({25, max_iterations, 2 * max_iterations / 3 + further});
@@ -23,10 +23,10 @@ inline int mixed_newton_limit(int max_iterations, int further = 0) {
 // [1] the same for a sheet that rests on a collider, which needs few; assumed
 inline constexpr int max_mixed_newton_on_colliders = 12;
 
-// Relaxation::coarse, all assumed: [1] times `stop`, because the next step continues from there; [1]
-// iterations; [1] of the longer side that a vertex may move before the shape is one of another branch
-inline constexpr double coarse_stop = 10;
-inline constexpr int max_coarse_iterations = 20;
+// Relaxation::coarse, all assumed
+inline constexpr double coarse_stop = 10;         // [1] times `stop`: the next step continues there
+inline constexpr int max_coarse_iterations = 20;  // [1]
+// [1] of the longer side: a vertex that moves farther is on another branch
 inline constexpr double max_coarse_move = 0.03;
 
 // [triangles] A mesh of at most this size is animated interactively: a snap-through may go on over
