@@ -42,6 +42,8 @@ MethodChoice make_method(const BakeSettings& settings, const Shot& shot, unsigne
   CrumpleOptions options;
   options.singular_point_rules = shot.singular_point_rules;
   options.max_triangles = triangles_wanted(settings);
+  options.max_first_triangles =
+      settings.triangles.value_or(std::max(options.max_first_triangles, options.max_triangles));
   return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed,
                 static_cast<std::uint32_t>(sheet));
 }

@@ -217,8 +217,9 @@ std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
 }
 
 std::string describe_unsettled(const std::vector<FrameRecord>& frames) {
-  const std::string when = frames_that(
-      frames, [](const FrameRecord& f) { return !f.statistics.converged && !f.step_unsolved; });
+  const std::string when = frames_that(frames, [](const FrameRecord& f) {
+    return !f.statistics.converged && !f.step_unsolved && f.statistics.singular == 0;
+  });
   if (when.empty()) return "";
   return fmt::format(
       "In {} the solver ended before the paper had come to rest, as it does where paper snaps: "

@@ -39,7 +39,7 @@ std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord
 std::string describe_unsolved(const std::vector<FrameRecord>&);
 
 /// A sentence about the frames whose steps did not converge although the sheet moved on; empty:
-/// there are none.
+/// there are none. Crumpled paper snaps all the time: frames with singular points do not count.
 std::string describe_unsettled(const std::vector<FrameRecord>&);
 
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none

@@ -17,7 +17,6 @@ constexpr double same = 0.02;  // [1] of the energy: another branch is lower by 
 // [1] of the longer side, RMS: a shape closer than this is the same
 constexpr double another_shape = 0.01;
 constexpr int max_steps_in_touch = 12;
-constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
 
 /// The sheet displaced along its normals, by an RMS height of `height`. [m]
 Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed) {
@@ -28,6 +27,11 @@ Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed)
   if (size > 0)
     moved.x += (height / size) * wave.asDiagonal() * vertex_normals(sheet.x, sheet.triangles);
   return moved;
+}
+
+/// [J] By how much another branch is lower.
+double least_step(const ElasticReport& here, const Elastic& elastic) {
+  return same * std::max(here.energy, energy_when_nearly_flat(elastic.paper()));
 }
 
 /// The search for a sheet that touches itself.
@@ -42,7 +46,7 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, doub
   BranchSearch found;
   found.before = here.potential;
   found.after = there.potential;
-  found.finished = there.potential < here.potential - same * std::max(here.energy, noise) &&
+  found.finished = there.potential < here.potential - least_step(here, elastic) &&
                    crossings(sheet) <= crossings(sheet_before);
   if (found.finished) return found;
   found.after = found.before;
@@ -81,7 +85,7 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
     here = elastic.evaluate_energies(sheet);
     lowest = sheet;
   }
-  const double step = same * std::max(here.energy, noise);
+  const double step = least_step(here, elastic);
   BranchSearch found;
   found.before = found.after = here.potential;
   double least = here.potential - step;

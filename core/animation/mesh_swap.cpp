@@ -7,6 +7,25 @@
 #include <algorithm>
 
 namespace paperbake {
+namespace {
+
+/// Relaxes a proposed sheet. Where that does not lead below `potential`, that of the sheet on its
+/// old mesh, it may be in dents that come from there: it is relaxed from a softened membrane, too,
+/// and has the lower shape in the end.
+ElasticReport relax_proposal(Elastic& trial, Sheet& proposal, const StepInput& input, double dt,
+                             double potential) {
+  Sheet without_dents = proposal;
+  const ElasticReport settled = trial.relax(proposal, input, dt, Relaxation::coarse);
+  if (settled.converged && settled.potential <= potential) return settled;
+  const ElasticReport softened = trial.relax(without_dents, input, dt, Relaxation::softened_first);
+  const bool is_lower = !settled.converged || softened.potential < settled.potential;
+  if (!softened.converged || softened.contact || softened.potential > potential || !is_lower)
+    return settled;
+  proposal.x = std::move(without_dents.x);
+  return softened;
+}
+
+}  // namespace
 
 MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal proposed,
                              const StepInput& input, double dt,
@@ -16,8 +35,8 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
   constexpr double too_stiff = -0.005, max_move_then = 0.025;
   // [1/rad2] share of the energy that a mesh of such flat triangles does not represent
   constexpr double unseen = 0.5;
-  constexpr double noise = 1e-6;    // [J] for a sheet that is nearly flat
   constexpr double instant = 0.01;  // [s]
+  const double noise = energy_when_nearly_flat(elastic.paper());
   Sheet& proposal = proposed.sheet;
   const Points3 carried = proposal.x, velocities = proposal.v;
   Elastic trial = elastic.on_mesh(proposal, proposed.stiffening);
@@ -25,8 +44,8 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
     proposal.v.setZero();
     dt = instant;
   }
-  const ElasticReport settled = trial.relax(proposal, input, dt, Relaxation::coarse),
-                      stored = elastic.evaluate_energies(sheet);
+  const ElasticReport stored = elastic.evaluate_energies(sheet);
+  const ElasticReport settled = relax_proposal(trial, proposal, input, dt, stored.potential);
   proposal.v = velocities;
 
   const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern),

@@ -213,7 +213,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   move_world();
   if (first && rehearsed_doublings_ > 0)
     add_note("it begins with " + std::to_string(1 << rehearsed_doublings_) +
-             " times as many triangles: in a rehearsal it stretched instead of bending");
+             " times as many triangles: in a rehearsal a coarser mesh held it back");
   now_.singular_before = sheet.singular.size();
   now_.max_motion =
       max_displacement(sheet, now_.input, resting_input_.constraints, simulated_.positions_before);

@@ -33,6 +33,14 @@ class SheetSimulation {
 
   /// Whether the sheet would behave in another way on a finer first mesh, and there is one.
   bool may_start_finer() const;
+  /// Whether the sheet is one that a rehearsal tells something about: smooth, without inertia,
+  /// among colliders.
+  bool is_rehearsed() const;
+  /// How often the number of triangles of its first mesh was doubled.
+  int doublings() const { return method_->doublings(); }
+  /// Whether the sheet lies on a collider on triangles that turn so far from one to the next that
+  /// they hold it back for certain.
+  bool rests_on_coarse_folds() const;
   /// Whether the smooth sheet stores as much by stretching as only a crumpled one does, or twice as
   /// much already where its bends begin: its mesh is too coarse for them.
   bool stretches_instead_of_bending() const;

@@ -106,7 +106,8 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
 
 bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doublings) {
   std::optional<PatternMesh> finer;
-  while (doublings-- > 0 && method_->has_finer_mesh()) finer = method_->finer_mesh();
+  while (doublings-- > 0 && method_->has_finer_mesh() && method_->doublings() < doublings_to_bend)
+    finer = method_->finer_mesh();
   if (!finer) return false;
   restore(std::move(start));
   simulated_.put_on(std::move(*finer));
@@ -149,9 +150,16 @@ bool SheetSimulation::may_refine() const {
   return shot_.colliders && simulated_.has_inertia() && simulated_.is_smooth();
 }
 
+bool SheetSimulation::is_rehearsed() const {
+  return shot_.colliders && !simulated_.has_inertia() && simulated_.is_smooth();
+}
+
 bool SheetSimulation::may_start_finer() const {
-  return shot_.colliders && !simulated_.has_inertia() && simulated_.is_smooth() &&
-         method_->has_finer_mesh();
+  return is_rehearsed() && method_->has_finer_mesh();
+}
+
+bool SheetSimulation::rests_on_coarse_folds() const {
+  return outcome_.on_colliders > 0 && mean_square_fold(sheet()) > fold_that_holds;
 }
 
 bool SheetSimulation::stretches_instead_of_bending() const {

@@ -21,14 +21,17 @@ double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d&
 using Eigen::Matrix2d;
 
 /// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
-/// the value of that sum for a surface of curvature 1, both divided by the area of the ring.
+/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. A ring
+/// without border edges is blind to no direction: where its triangles are so obtuse that the value
+/// says otherwise, the sum counts as it is.
 struct Ring {
   Matrix2d curvature;
   Matrix2d blind;  // projector onto the directions in which the ring has hardly any edges
 };
-Ring judge(const Matrix2d& folds, const Matrix2d& round) {
+Ring judge(const Matrix2d& folds, const Matrix2d& round, bool has_border) {
   constexpr double min_seen = 0.25;
   const SymmetricEigen<2> eigen = symmetric_eigen(round);
+  if (!has_border && eigen.values.minCoeff() < min_seen) return {folds, Matrix2d::Zero()};
   Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
   for (int i = 0; i < 2; ++i) {
     const Vector2d u = eigen.vectors.col(i);
@@ -61,10 +64,16 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
   Points3 folds = Points3::Zero(pattern.rows(), 3), seen = folds;
   Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
+  std::vector<char> has_border(pattern.rows(), 0);
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)),
                    q = at(triangles(t, 2)) - at(triangles(t, 0));
-    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * cross(p, q);
+    const auto& edges = hinges.of_triangle[t];
+    const bool at_border = *std::min_element(edges.begin(), edges.end()) < 0;
+    for (int k = 0; k < 3; ++k) {
+      area[triangles(t, k)] += 0.5 * cross(p, q);
+      has_border[triangles(t, k)] |= at_border;
+    }
   }
   for (std::size_t h = 0; h < turns.size(); ++h) {
     const auto& v = hinges.hinges[h].vertices;
@@ -84,8 +93,8 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   std::vector<Ring> rings(pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (area[v] > 0)
-      rings[v] =
-          judge(symmetric_matrix(folds.row(v)) / area[v], symmetric_matrix(seen.row(v)) / area[v]);
+      rings[v] = judge(symmetric_matrix(folds.row(v)) / area[v],
+                       symmetric_matrix(seen.row(v)) / area[v], has_border[v]);
 
   // in directions to which a ring is blind it takes the curvature of its neighbours
   std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());

@@ -42,8 +42,10 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
 
 class Hybrid : public Method {
  public:
-  Hybrid(const FirstLattice& lattice, int max_triangles, Crumple crumple)
-      : lattice_(lattice), max_triangles_(max_triangles), crumple_(std::move(crumple)) {}
+  Hybrid(const FirstLattice& lattice, int max_first_triangles, Crumple crumple)
+      : lattice_(lattice),
+        max_first_triangles_(max_first_triangles),
+        crumple_(std::move(crumple)) {}
 
   PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     pattern_ = pattern;
@@ -56,8 +58,9 @@ class Hybrid : public Method {
     return base_mesh();
   }
 
+  int doublings() const override { return doublings_; }
   bool has_finer_mesh() const override {
-    return doublings_ < max_doublings && 2 * lattice_now().triangles <= max_triangles_;
+    return doublings_ < max_doublings && 2 * lattice_now().triangles <= max_first_triangles_;
   }
 
   bool is_crumpled(const Sheet& sheet) const override { return paperbake::is_crumpled(sheet); }
@@ -126,7 +129,7 @@ class Hybrid : public Method {
   }
 
  private:
-  static constexpr int max_doublings = 2;
+  static constexpr int max_doublings = 4;
 
   FirstLattice lattice_now() const { return {lattice_.triangles << doublings_, lattice_.turn}; }
 
@@ -139,7 +142,7 @@ class Hybrid : public Method {
   }
 
   FirstLattice lattice_;
-  int max_triangles_;
+  int max_first_triangles_;
   int doublings_ = 0;  // of the number of triangles of the first lattice
   Crumple crumple_;
   Pattern pattern_;
@@ -151,7 +154,7 @@ class Hybrid : public Method {
 MethodChoice hybrid(const Pattern& pattern, const Paper& paper, const FirstLattice& lattice,
                     const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet) {
   return {"hybrid", [=] {
-            return std::make_unique<Hybrid>(lattice, options.max_triangles,
+            return std::make_unique<Hybrid>(lattice, options.max_first_triangles,
                                             Crumple(pattern, paper, options, seed, sheet));
           }};
 }

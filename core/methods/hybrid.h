@@ -10,7 +10,7 @@ namespace paperbake {
 
 /// The hybrid of [Schreck 2015]: a coarse mesh, at first the given lattice, whose edges follow the
 /// rulings and which gets singular points where bending directions conflict, up to
-/// options.max_triangles.
+/// options.max_triangles. Finer first meshes have up to options.max_first_triangles.
 /// seed, sheet  what the random draws of singular points depend on
 MethodChoice hybrid(const Pattern&, const Paper&, const FirstLattice&, const CrumpleOptions&,
                     std::uint32_t seed, std::uint32_t sheet);

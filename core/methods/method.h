@@ -92,6 +92,8 @@ class Method {
   /// sheet that is held back by its mesh. Nothing if the method has none, or none that is finer
   /// still.
   virtual std::optional<PatternMesh> finer_mesh() { return std::nullopt; }
+  /// How often finer_mesh() has returned one.
+  virtual int doublings() const { return 0; }
   /// Whether finer_mesh() would return a mesh.
   virtual bool has_finer_mesh() const { return false; }
 

@@ -35,6 +35,13 @@ inline double yield_curvature(const Paper& paper) {
   return 2 * paper.yield_strain / paper.thickness;
 }
 
+/// [J] What a sheet that is nearly flat may store: as much as a square of any size that is bent
+/// evenly by 4 degrees, D angle^2/2.
+inline double energy_when_nearly_flat(const Paper& paper) {
+  constexpr double angle = 0.0735;  // [rad] assumed
+  return paper.bending_stiffness * angle * angle / 2;
+}
+
 /// [m] Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3).
 /// source  exponents of the stretching ridge [Lobkovsky 1996]; the prefactor is this project's,
 ///         measured on S4

@@ -94,6 +94,8 @@ Elastic::~Elastic() = default;
 Elastic::Elastic(Elastic&&) = default;
 Elastic& Elastic::operator=(Elastic&&) = default;
 
+const Paper& Elastic::paper() const { return impl_->paper; }
+
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
   std::vector<double> factors = apex_stiffness_factors(sheet, s.paper);
@@ -194,7 +196,7 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
   const StepProblem problem = s.problem_of(sheet, input, dt);
   s.begin_creases(sheet, input, problem);
   const Points3 before = sheet.x;
-  const bool coarse = how_far == Relaxation::coarse;
+  const bool coarse = how_far != Relaxation::full;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
   if (coarse) {
     how.stop *= coarse_stop;
@@ -207,7 +209,11 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
   }
   ElasticReport report = s.try_without_plasticity(
       sheet, [](const Sheet&) {},
-      [&] { return s.solve(sheet, problem, nullptr, how, BranchSearchMode::none); });
+      [&] {
+        return s.solve(sheet, problem, nullptr, how,
+                       how_far == Relaxation::softened_first ? BranchSearchMode::only
+                                                             : BranchSearchMode::none);
+      });
   report.contact = s.contact && !s.contact->is_collision_free(before, sheet.x, problem.hard);
   s.report_energies(sheet.x, s.energy->dihedral_angles(sheet.x), report);
   return report;

@@ -90,8 +90,11 @@ struct ElasticReport {
 /// coarse  only mixed Newton (newton.h), to ten times `stop`. It gives up after 20 iterations, or
 ///         when a vertex has moved more than 3 % of the longer side: the shape then belongs to
 ///         another branch.
+/// softened_first
+///         coarse, but begins with the softened membrane, whose energy has few valleys: the sheet
+///         loses dents in which a coarse mesh has held it
 /// full    both variants of Newton's method, to `stop`
-enum class Relaxation { coarse, full };
+enum class Relaxation { coarse, softened_first, full };
 
 /// A descent along a second branch from an unstable shape, computed beside the main solution: first
 /// with a softened membrane, then with the true stiffness of the membrane.
@@ -172,6 +175,8 @@ class Elastic {
   ~Elastic();
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
+
+  const Paper& paper() const;
 
   /// Whether steps from now on have inertia, and with which damping, as in ElasticOptions; at
   /// first, what the options say.

@@ -258,12 +258,18 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
   choose_initial_guess(W, before, starts, sheet.x);
 
   ElasticReport report;
+  if (matrix && second == BranchSearchMode::only) {
+    const IncrementalPotential gentle{{W.sheets.front().with(*softened)}, nullptr};
+    const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
+    report.iterations = minimise(gentle, how, none, sheet.x).iterations;
+    second = BranchSearchMode::none;
+  }
   if (matrix) {
     MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
     // the stress is that of the change of mesh, not of an equilibrium
     if (state.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());
     const NewtonReport newton = minimise(W, how, stress, sheet.x);
-    report.iterations = newton.iterations;
+    report.iterations += newton.iterations;
     report.converged = newton.converged;
     if (second != BranchSearchMode::none) {
       state.descending =

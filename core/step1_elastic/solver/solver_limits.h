@@ -65,7 +65,8 @@ inline constexpr double locked_gain = 1.0 / 3;
 
 // when_slow    after a step that takes many iterations, or of a sheet that is locked
 // when_locked  only in the second case
-enum class BranchSearchMode { when_slow, when_locked, none };
+// only         the first branch is not searched: the membrane is softened first in any case
+enum class BranchSearchMode { when_slow, when_locked, only, none };
 enum class BranchSearchReason { slow, locked, none };
 
 // [1] stretch of an edge; paper would tear, or slip out of a hand, before it gets here: as at

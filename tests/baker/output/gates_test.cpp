@@ -110,6 +110,12 @@ TEST(Gates, FramesThatEndBeforeThePaperRestsAreTold) {
   EXPECT_EQ(describe_unsettled(frames),
             "In frame 5 the solver ended before the paper had come to rest, as it does where paper "
             "snaps: look whether it moves there as it should.");
+  FrameRecord crumpled = frames[1];
+  crumpled.frame = 9;
+  crumpled.statistics.singular = 3;
+  frames.push_back(crumpled);
+  EXPECT_EQ(describe_unsettled(frames).rfind("In frame 5 ", 0), 0u) << "crumpled paper snaps";
+  frames.pop_back();
   frames[0].step_unsolved = frames[1].step_unsolved = true;  // told as one that stands still
   EXPECT_EQ(describe_unsettled(frames), "");
 }

@@ -112,6 +112,31 @@ TEST(MeshSwapTest, ASheetThatFallsGetsAnotherMesh) {
   EXPECT_LT(verdict.move, 0.006);
 }
 
+TEST(MeshSwapTest, WhatIsAcceptedDoesNotDependOnHowStiffThePaperIs) {
+  // a sheet of a few microjoules gets a mesh that stores half as much again
+  const auto swap = [](double stiffness) {
+    Paper paper;
+    paper.bending_stiffness *= stiffness;
+    paper.membrane_stiffness *= stiffness;
+    paper.area_density *= stiffness;
+    Sheet sheet = test::hex_sheet(0.1, 0.1, 10), proposal = test::strip_sheet(0.1, 0.1, 3);
+    for (Sheet* one : {&sheet, &proposal})
+      for (int v = 0; v < one->x.rows(); ++v)
+        one->x(v, 2) = 3e-4 * std::sin(M_PI * one->pattern(v, 0) / 0.1);
+    StepInput input;
+    for (int v = 0; v < proposal.x.rows(); ++v)
+      input.constraints.push_back({v, proposal.x.row(v).transpose()});
+    Elastic elastic(paper, {});
+    elastic.set_mesh(sheet);
+    return try_swap_mesh(sheet, elastic, {proposal, {}}, input, dt);
+  };
+  const MeshSwapResult copier = swap(1), card = swap(1e3), tissue = swap(1e-2);
+  EXPECT_TRUE(copier.accepted) << copier.rise << " " << copier.move;
+  EXPECT_TRUE(card.accepted) << card.rise << " " << card.move;
+  EXPECT_NEAR(card.rise, copier.rise, 1e-6 * std::abs(copier.rise));
+  EXPECT_NEAR(tissue.rise, copier.rise, 1e-6 * std::abs(copier.rise));
+}
+
 TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
