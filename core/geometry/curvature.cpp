@@ -21,9 +21,9 @@ double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d&
 using Eigen::Matrix2d;
 
 /// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
-/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. A ring
-/// without border edges is blind to no direction: where its triangles are so obtuse that the value
-/// says otherwise, the sum counts as it is.
+/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. Where a
+/// ring without border edges seems to be blind, its triangles are so obtuse that neither sum says
+/// much: it counts as blind to all directions.
 struct Ring {
   Matrix2d curvature;
   Matrix2d blind;  // projector onto the directions in which the ring has hardly any edges
@@ -31,7 +31,8 @@ struct Ring {
 Ring judge(const Matrix2d& folds, const Matrix2d& round, bool has_border) {
   constexpr double min_seen = 0.25;
   const SymmetricEigen<2> eigen = symmetric_eigen(round);
-  if (!has_border && eigen.values.minCoeff() < min_seen) return {folds, Matrix2d::Zero()};
+  if (!has_border && eigen.values.minCoeff() < min_seen)
+    return {Matrix2d::Zero(), Matrix2d::Identity()};
   Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
   for (int i = 0; i < 2; ++i) {
     const Vector2d u = eigen.vectors.col(i);

@@ -42,7 +42,7 @@ MethodChoice hybrid_of(const Shot& shot, unsigned seed = 0) {
 TEST(HybridTest, AFinerFirstMeshHasNoMoreTrianglesThanTheMethodMayHave) {
   const Pattern square = test::rectangle(0.1, 0.1);
   CrumpleOptions options;
-  options.max_triangles = 500;
+  options.max_first_triangles = 500;
   const auto method = hybrid(square, Paper{}, 120, options, 0, 0).make();
   method->first_mesh(square, {});
   ASSERT_TRUE(method->finer_mesh()) << "240";
