@@ -1,4 +1,4 @@
-"""Writes the scenes G1 to G9, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G10, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -234,9 +234,21 @@ def plane():
     return 1
 
 
+def arch():
+    """A page on a table. Two fingers hold one edge, two push the other one in, and the page rises between them."""
+    width, height, inset, way = 0.297, 0.21, 0.01, 0.07
+    sheet("page", "copy80", (0, 0, 0), (width, 0, 0), (0, height, 0))
+    quad("collider.table", (-0.2, -0.2, -0.0006), (0.7, 0, 0), (0, 0.6, 0))
+    rows = (height / 4, 3 * height / 4)
+    hold("edge", [(inset, y, 0) for y in rows], "page")
+    for i, y in enumerate(rows):
+        carry(f"push.{i}", lambda frame, y=y: (width - inset - way * eased(frame, 32), y, 0), 48, "page")
+    return 48
+
+
 SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
           "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats,
-          "G8_strip": strip, "G9_plane": plane}
+          "G8_strip": strip, "G9_plane": plane, "G10_arch": arch}
 
 
 def main(names):

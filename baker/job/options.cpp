@@ -143,7 +143,7 @@ std::vector<Option> scene_and_method() {
           {"triangles", K::whole, 2, 400000}, "1700",
           "Triangles of the simulation mesh: for fem their number, within 10 % (1700 by "
           "default); for hybrid and adaptive the largest number (1000 or twice "
-          "--base-triangles; 3000)",
+          "--base-triangles, and 2000 for a first mesh that a rehearsal asks for; 3000)",
           to_whole(&BakeSettings::triangles)),
       without_default({"polish", K::whole, 0, 400000}, "0",
                       "Refine every frame to equilibrium on a finite element mesh of at most this "

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <set>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -217,8 +218,15 @@ std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
 }
 
 std::string describe_unsettled(const std::vector<FrameRecord>& frames) {
-  const std::string when = frames_that(frames, [](const FrameRecord& f) {
-    return !f.statistics.converged && !f.step_unsolved && f.statistics.singular == 0;
+  std::set<std::string> crumpled;  // sheets
+  std::set<std::pair<std::string, int>> unsettled;
+  for (const FrameRecord& f : frames) {
+    if (f.statistics.singular > 0) crumpled.insert(f.sheet);
+    if (!f.statistics.converged && !f.step_unsolved) unsettled.insert({f.sheet, f.frame});
+  }
+  const std::string when = frames_that(frames, [&](const FrameRecord& f) {
+    return unsettled.count({f.sheet, f.frame}) && crumpled.count(f.sheet) == 0 &&
+           (unsettled.count({f.sheet, f.frame - 1}) || unsettled.count({f.sheet, f.frame + 1}));
   });
   if (when.empty()) return "";
   return fmt::format(

@@ -38,8 +38,9 @@ std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord
 /// of handles contains it.
 std::string describe_unsolved(const std::vector<FrameRecord>&);
 
-/// A sentence about the frames whose steps did not converge although the sheet moved on; empty:
-/// there are none. Crumpled paper snaps all the time: frames with singular points do not count.
+/// A sentence about the frames whose steps did not converge although the sheet moved on, in two or
+/// more frames one after the other; empty: there are none. Crumpled paper snaps all the time:
+/// sheets with singular points do not count.
 std::string describe_unsettled(const std::vector<FrameRecord>&);
 
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none

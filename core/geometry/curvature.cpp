@@ -21,8 +21,8 @@ double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d&
 using Eigen::Matrix2d;
 
 /// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
-/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. Where a
-/// ring without border edges seems to be blind, its triangles are so obtuse that neither sum says
+/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. Where
+/// a ring without border edges seems to be blind, its triangles are so obtuse that neither sum says
 /// much: it counts as blind to all directions.
 struct Ring {
   Matrix2d curvature;

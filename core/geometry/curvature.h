@@ -21,8 +21,9 @@ std::vector<double> bending_turns(const Sheet&, const Hinges&);
 /// C is the value of the same sum for a surface of curvature 1 in all directions: the identity
 /// inside a regular mesh, and less where the border cuts the ring, because border edges have no
 /// dihedral angle. In a direction of which a ring sees less than a quarter, the curvature of its
-/// neighbours is used, and in all directions if no border cuts it: its triangles are too obtuse. A prescribed crease does not count as curvature (bending_turns). A sheet
-/// that bulges towards its normal (counter-clockwise side) has positive curvature.
+/// neighbours is used, and in all directions if no border cuts it: its triangles are too obtuse. A
+/// prescribed crease does not count as curvature (bending_turns). A sheet that bulges towards its
+/// normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);
 

@@ -107,11 +107,11 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const auto remedy = [&] {
     return unit_remedy(scene, unit ? std::vector{*unit} : usual_units(scene, size), size);
   };
-  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
+  if (longer > max_sheet_side || longer < min_sheet_side)
     throw Error(ErrorCode::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),
-                remedy());
+                options.unit_scale ? std::string("Bake with another --unit-scale.") : remedy());
   if (!stated) {
     if (!options.unit_scale && longer > most_usual_side)
       warnings.push_back(fmt::format("The sheet \"{}\" is {}, larger than A0: is that meant? {}",

@@ -304,6 +304,13 @@ TEST(SceneSheets, ASheetLargerThanAnyThatIsSoldIsWarnedOf) {
   SceneOptions options;
   options.unit_scale = 1;
   EXPECT_FALSE(test::has_warning(read_scene(path, options), "larger than A0"));
+  options.unit_scale = 100;
+  try {
+    read_scene(path, options);
+    ADD_FAILURE() << "a sheet of 400 m";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.remedy, "Bake with another --unit-scale.");
+  }
 }
 
 }  // namespace
