@@ -142,8 +142,8 @@ std::vector<Option> scene_and_method() {
       without_default(
           {"triangles", K::whole, 2, 400000}, "1700",
           "Triangles of the simulation mesh: for fem their number, within 10 % (1700 by "
-          "default); for hybrid and adaptive the largest number (1000 or twice "
-          "--base-triangles, and 2000 for a first mesh that a rehearsal asks for; 3000)",
+          "default); for hybrid and adaptive the largest number (3000 for adaptive; for hybrid "
+          "1000, or twice those of the first mesh, of which a rehearsal may make 2000)",
           to_whole(&BakeSettings::triangles)),
       without_default({"polish", K::whole, 0, 400000}, "0",
                       "Refine every frame to equilibrium on a finite element mesh of at most this "

@@ -21,8 +21,8 @@ struct Rehearsal {
 /// the sheet, but not for more than 64 frames; also beyond the last frame that is asked for, so
 /// that a frame does not depend on how many are. A sheet that stretches by then, or ends on folds
 /// of 20 degrees and more, is rehearsed again on a finer mesh, until it bends, or the mesh is as
-/// fine as bends of paper under its own weight ask for. If it does not even bend then, it crumples:
-/// only stretching gets a finer mesh in that case.
+/// fine as bends of paper under its own weight ask for. If it does not even bend then, it crumples,
+/// or the method has too few triangles for it: only stretching gets a finer mesh in that case.
 ///
 /// Only a sheet without inertia is rehearsed that has handles and colliders, and begins its shot
 /// now: others get a finer mesh when they need it, or have it already. Other sheets are not there

@@ -212,7 +212,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     carried_.begin(sheet, resting_input_);
   move_world();
   if (first && rehearsed_doublings_ > 0)
-    add_note("it begins with " + std::to_string(1 << rehearsed_doublings_) +
+    add_note("it begins with " + std::to_string(1 << method_->doublings()) +
              " times as many triangles: in a rehearsal a coarser mesh held it back");
   now_.singular_before = sheet.singular.size();
   now_.max_motion =
@@ -356,14 +356,18 @@ void SheetSimulation::finalize(Output how) {
                 : finish(*method_, output_sheet_, now_.input, simulated_.elastic, now_.step.last);
 }
 
+int SheetSimulation::keys_until() const {
+  int last = std::max(frame_, keys_until_);
+  if (folds_.has_looked_ahead())
+    for (const Handle& handle : shot_.handles)
+      last = std::max(last, options_.first_frame + static_cast<int>(handle.keyed.rows()) - 1);
+  return last;
+}
+
 AnimatedFrame SheetSimulation::report() {
   AnimatedFrame result = std::move(now_.result);
   result.sheet_index = number_;
-  result.keys_until = std::max(frame_, keys_until_);
-  if (folds_.has_looked_ahead())
-    for (const Handle& handle : shot_.handles)
-      result.keys_until = std::max(
-          result.keys_until, options_.first_frame + static_cast<int>(handle.keyed.rows()) - 1);
+  result.keys_until = keys_until();
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.carried = carried_.positions(sheet(), *method_);

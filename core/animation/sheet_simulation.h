@@ -76,6 +76,9 @@ class SheetSimulation {
   enum class Output { finished_sheet, simulated_sheet };
   void finalize(Output);
 
+  /// The last frame whose keys the simulation has seen, here or in a rehearsal.
+  int keys_until() const;
+
   /// The frame to be handed on, without its CPU times.
   AnimatedFrame report();
 
@@ -223,7 +226,8 @@ class SheetSimulation {
   /// Pushes the sheet out of the colliders where they are as the step begins.
   /// returns  whether it is outside, and does not pass through anything else
   bool leave_colliders(const AdmissibilityCheck&);
-  /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
+  /// Goes back to the start of the step, on a finer mesh. returns  false if there is none; the
+  /// meshes of a shot that has begun get no more than doublings_to_bend
   /// doublings  of the number of triangles, at most
   bool refine_mesh(SimulatedSheet::Snapshot&& start, int doublings);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
@@ -237,7 +241,7 @@ class SheetSimulation {
   AnimateOptions options_;
   std::size_t number_;
   int rehearsed_doublings_;    // of the triangles of its first mesh
-  int keys_until_;             // the last frame whose keys it has seen, if it has looked ahead
+  int keys_until_;             // the last frame whose keys a rehearsal has seen
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
   SimulatedSheet simulated_;
   HandleConstraints handles_;

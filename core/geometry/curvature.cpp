@@ -20,19 +20,16 @@ double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d&
 
 using Eigen::Matrix2d;
 
+constexpr double min_seen = 0.25;  // [1] of a direction, by a ring that is not blind to it
+
 /// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
-/// the value of that sum for a surface of curvature 1, both divided by the area of the ring. Where
-/// a ring without border edges seems to be blind, its triangles are so obtuse that neither sum says
-/// much: it counts as blind to all directions.
+/// the value of that sum for a surface of curvature 1, both divided by the area of the ring.
 struct Ring {
   Matrix2d curvature;
   Matrix2d blind;  // projector onto the directions in which the ring has hardly any edges
 };
-Ring judge(const Matrix2d& folds, const Matrix2d& round, bool has_border) {
-  constexpr double min_seen = 0.25;
+Ring judge(const Matrix2d& folds, const Matrix2d& round) {
   const SymmetricEigen<2> eigen = symmetric_eigen(round);
-  if (!has_border && eigen.values.minCoeff() < min_seen)
-    return {Matrix2d::Zero(), Matrix2d::Identity()};
   Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
   for (int i = 0; i < 2; ++i) {
     const Vector2d u = eigen.vectors.col(i);
@@ -42,6 +39,43 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round, bool has_border) {
       root += u * u.transpose() / std::sqrt(eigen.values[i]);
   }
   return {root * folds * root, blind};
+}
+
+/// l n (x) n of an edge, with its length l and its unit normal n in the pattern. [m] Sxx, Sxy, Syy
+Eigen::RowVector3d across_edge(const Points2& pattern, const Hinge& hinge) {
+  const Vector2d along = pattern.row(hinge.vertices[1]) - pattern.row(hinge.vertices[0]);
+  return Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) /
+         along.norm();
+}
+
+/// Adds what an edge contributes to the rings in which it is: it is a spoke of its two ends, and a
+/// link of its two wings.
+void add_to_rings(const Hinge& hinge, const Eigen::RowVector3d& sum, Points3& of_rings) {
+  for (int k = 0; k < 4; ++k) of_rings.row(hinge.vertices[k]) += (k < 2 ? 1.0 : 0.5) * sum;
+}
+
+/// The sum over the edges of each ring for a surface of curvature 1.
+Points3 round_sums(const Points2& pattern, const Hinges& hinges) {
+  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
+  Points3 sums = Points3::Zero(pattern.rows(), 3);
+  for (const Hinge& hinge : hinges.hinges) {
+    const auto& v = hinge.vertices;
+    const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) +
+                         circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
+    add_to_rings(hinge, round * across_edge(pattern, hinge), sums);
+  }
+  return sums;
+}
+
+Eigen::VectorXd ring_areas(const Points2& pattern, const Triangles& triangles) {
+  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)),
+                   q = at(triangles(t, 2)) - at(triangles(t, 0));
+    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * cross(p, q);
+  }
+  return area;
 }
 
 }  // namespace
@@ -62,40 +96,16 @@ Points3 vertex_curvature(const Sheet& sheet) {
 
 Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges,
                          const std::vector<double>& turns) {
-  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
-  Points3 folds = Points3::Zero(pattern.rows(), 3), seen = folds;
-  Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
-  std::vector<char> has_border(pattern.rows(), 0);
-  for (int t = 0; t < triangles.rows(); ++t) {
-    const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)),
-                   q = at(triangles(t, 2)) - at(triangles(t, 0));
-    const auto& edges = hinges.of_triangle[t];
-    const bool at_border = *std::min_element(edges.begin(), edges.end()) < 0;
-    for (int k = 0; k < 3; ++k) {
-      area[triangles(t, k)] += 0.5 * cross(p, q);
-      has_border[triangles(t, k)] |= at_border;
-    }
-  }
-  for (std::size_t h = 0; h < turns.size(); ++h) {
-    const auto& v = hinges.hinges[h].vertices;
-    const Vector2d along = at(v[1]) - at(v[0]);
-    const Eigen::RowVector3d nn =
-        Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) /
-        along.norm();
-    const double turn = turns[h];
-    const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) +
-                         circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
-    for (int k = 0; k < 4; ++k) {
-      const double share = k < 2 ? 1.0 : 0.5;  // spoke of its two ends, link of its two wings
-      folds.row(v[k]) += share * turn * nn;
-      seen.row(v[k]) += share * round * nn;
-    }
-  }
+  Points3 folds = Points3::Zero(pattern.rows(), 3);
+  for (std::size_t h = 0; h < turns.size(); ++h)
+    add_to_rings(hinges.hinges[h], turns[h] * across_edge(pattern, hinges.hinges[h]), folds);
+  const Points3 seen = round_sums(pattern, hinges);
+  const Eigen::VectorXd area = ring_areas(pattern, triangles);
   std::vector<Ring> rings(pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (area[v] > 0)
-      rings[v] = judge(symmetric_matrix(folds.row(v)) / area[v],
-                       symmetric_matrix(seen.row(v)) / area[v], has_border[v]);
+      rings[v] =
+          judge(symmetric_matrix(folds.row(v)) / area[v], symmetric_matrix(seen.row(v)) / area[v]);
 
   // in directions to which a ring is blind it takes the curvature of its neighbours
   std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
@@ -115,6 +125,22 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
     result.row(v) << s(0, 0), s(0, 1), s(1, 1);
   }
   return result;
+}
+
+std::vector<char> obtuse_rings(const Points2& pattern, const Triangles& triangles,
+                               const Hinges& hinges) {
+  const Points3 seen = round_sums(pattern, hinges);
+  const Eigen::VectorXd area = ring_areas(pattern, triangles);
+  std::vector<char> at_border(pattern.rows(), 0), obtuse(pattern.rows(), 0);
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const auto& edges = hinges.of_triangle[t];
+    if (*std::min_element(edges.begin(), edges.end()) < 0)
+      for (const int v : triangles.row(t)) at_border[v] = 1;
+  }
+  for (std::size_t v = 0; v < obtuse.size(); ++v)
+    obtuse[v] = !at_border[v] && area[v] > 0 &&
+                symmetric_eigen(symmetric_matrix(seen.row(v) / area[v])).values[0] < min_seen;
+  return obtuse;
 }
 
 /// |k2| of a curvature tensor. [1/m]

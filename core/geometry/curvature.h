@@ -21,15 +21,19 @@ std::vector<double> bending_turns(const Sheet&, const Hinges&);
 /// C is the value of the same sum for a surface of curvature 1 in all directions: the identity
 /// inside a regular mesh, and less where the border cuts the ring, because border edges have no
 /// dihedral angle. In a direction of which a ring sees less than a quarter, the curvature of its
-/// neighbours is used, and in all directions if no border cuts it: its triangles are too obtuse. A
-/// prescribed crease does not count as curvature (bending_turns). A sheet that bulges towards its
-/// normal (counter-clockwise side) has positive curvature.
+/// neighbours is used. A prescribed crease does not count as curvature (bending_turns). A sheet
+/// that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);
 
 /// The same for given angles. turns  [rad] one for each hinge of the mesh, instead of bending_turns
 Points3 vertex_curvature(const Points2& pattern, const Triangles&, const Hinges&,
                          const std::vector<double>& turns);
+
+/// Which vertices away from the border have rings of triangles so obtuse that the tensor says
+/// little about how the sheet bends there: C has an eigenvalue of less than a quarter, although no
+/// edge is missing. Where a sheet bends in one direction, its tensor may show two. |V|
+std::vector<char> obtuse_rings(const Points2& pattern, const Triangles&, const Hinges&);
 
 /// Principal curvatures of such a tensor, |k1| >= |k2|, and the direction across the ruling, in
 /// which the sheet bends most.

@@ -42,9 +42,10 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
 
 class Hybrid : public Method {
  public:
-  Hybrid(const FirstLattice& lattice, int max_first_triangles, Crumple crumple)
+  Hybrid(const FirstLattice& lattice, const CrumpleOptions& options, Crumple crumple)
       : lattice_(lattice),
-        max_first_triangles_(max_first_triangles),
+        max_first_triangles_(options.max_first_triangles),
+        is_limited_(options.max_first_triangles <= options.max_triangles),
         crumple_(std::move(crumple)) {}
 
   PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
@@ -138,11 +139,13 @@ class Hybrid : public Method {
     PatternMesh mesh = first_mesh_with(pattern_, lattice_now(), points_);
     const int required = number_points_first(mesh);
     crumple_.set_base_mesh(mesh.vertices, mesh.triangles, required);
+    if (!is_limited_ && doublings_ > 0) crumple_.allow_triangles(2 * lattice_now().triangles);
     return mesh;
   }
 
   FirstLattice lattice_;
   int max_first_triangles_;
+  bool is_limited_;    // to that number also while it crumples
   int doublings_ = 0;  // of the number of triangles of the first lattice
   Crumple crumple_;
   Pattern pattern_;
@@ -154,7 +157,7 @@ class Hybrid : public Method {
 MethodChoice hybrid(const Pattern& pattern, const Paper& paper, const FirstLattice& lattice,
                     const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet) {
   return {"hybrid", [=] {
-            return std::make_unique<Hybrid>(lattice, options.max_first_triangles,
+            return std::make_unique<Hybrid>(lattice, options,
                                             Crumple(pattern, paper, options, seed, sheet));
           }};
 }

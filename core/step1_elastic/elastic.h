@@ -91,8 +91,8 @@ struct ElasticReport {
 ///         when a vertex has moved more than 3 % of the longer side: the shape then belongs to
 ///         another branch.
 /// softened_first
-///         coarse, but begins with the softened membrane, whose energy has few valleys: the sheet
-///         loses dents in which a coarse mesh has held it
+///         coarse, twice: first with the softened membrane, whose energy has few valleys, so that
+///         the sheet loses dents in which a coarse mesh has held it
 /// full    both variants of Newton's method, to `stop`
 enum class Relaxation { coarse, softened_first, full };
 

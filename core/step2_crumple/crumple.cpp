@@ -54,6 +54,11 @@ void Crumple::set_base_mesh(const Points2& pattern, const Triangles& triangles, 
   required_ = required;
 }
 
+void Crumple::allow_triangles(int most) {
+  options_.max_triangles = std::max(options_.max_triangles, most);
+  crumpled_.allow_triangles(options_.max_triangles);
+}
+
 static void archive(Serializer& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
 
 void Crumple::archive(Serializer& a) { a(pending_, crumpled_, regions_, rulings_, when_); }

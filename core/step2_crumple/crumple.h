@@ -63,6 +63,9 @@ class Crumple {
   /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
   void set_base_mesh(const Points2& pattern, const Triangles&, int required);
 
+  /// Lets the mesh have so many triangles, if the options allow less.
+  void allow_triangles(int most);
+
   /// To be called before `step`, with a sheet in equilibrium. Looks for curved regions and, when
   /// the mesh does not follow their rulings, proposes one that does, with positions and velocities
   /// interpolated. The required vertices keep their numbers.

@@ -38,8 +38,9 @@ struct CrumpleOptions {
   double flip_period = 2 / 24.0;  // [s] time between two searches for edges to flip
   int max_points = 1000;          // [1] largest number of singular points on one sheet
   int max_triangles = 1000;       // [1] crumpling gives the mesh no more
-  int max_first_triangles =
-      2000;  // [1] nor does a rehearsal (rehearsal.h) give the first mesh more
+  // [1] nor does a rehearsal (rehearsal.h) give the first mesh more. If it is more than
+  // max_triangles, a finer first mesh may have twice as many triangles in the end.
+  int max_first_triangles = 2000;
   RulingOptions rulings;
   SingularPointRules singular_point_rules;  // where singular points must not be born
 };

@@ -34,6 +34,8 @@ class CrumpledMesh {
   CrumpledMesh(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed,
                std::uint32_t sheet);
 
+  void allow_triangles(int most) { options_.max_triangles = most; }
+
   struct Input {
     const std::vector<char>& fixed;  // 1: the vertex keeps its place on the pattern
     const LocalEnergies& stored;     // of the sheet

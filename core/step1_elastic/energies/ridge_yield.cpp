@@ -25,6 +25,10 @@ Eigen::VectorXd sharpness(const Sheet& sheet, const Hinges& hinges, const Points
                ? 0
                : std::clamp((second.turn[v] - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
   for (const int v : held) s[v] = 0;
+  if (s.isZero(0)) return s;
+  const std::vector<char> obtuse = obtuse_rings(sheet.pattern, sheet.triangles, hinges);
+  for (int v = 0; v < s.size(); ++v)
+    if (obtuse[v]) s[v] = 0;
   return s;
 }
 

@@ -35,7 +35,7 @@ struct RidgeField {
 /// of them yields no later than the single triangle of a coarse mesh: half a facet has one ridge,
 /// whatever the number of triangles in it. (S4, 185/320/635 triangles, plastic integral of frame
 /// 48: 0.80, 0.47, 0.42 m rad with d alone; 0.88, 0.71, 0.72 with X/2.) Vertices that are held or
-/// on the border do not count: a point load is no ridge.
+/// on the border do not count: a point load is no ridge. Nor do those with obtuse_rings().
 /// remembered  |T| s of earlier frames
 /// hinges      of the sheet's triangles
 /// source      this project; angles measured on S4

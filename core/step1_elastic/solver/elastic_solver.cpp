@@ -259,9 +259,9 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
 
   ElasticReport report;
   if (matrix && second == BranchSearchMode::only) {
-    const IncrementalPotential gentle{{W.sheets.front().with(*softened)}, nullptr};
+    const IncrementalPotential of_softened{{W.sheets.front().with(*softened)}, nullptr};
     const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
-    report.iterations = minimise(gentle, how, none, sheet.x).iterations;
+    report.iterations = minimise(of_softened, how, none, sheet.x).iterations;
     second = BranchSearchMode::none;
   }
   if (matrix) {

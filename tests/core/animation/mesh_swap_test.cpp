@@ -133,6 +133,7 @@ TEST(MeshSwapTest, WhatIsAcceptedDoesNotDependOnHowStiffThePaperIs) {
   const MeshSwapResult copier = swap(1), card = swap(1e3), tissue = swap(1e-2);
   EXPECT_TRUE(copier.accepted) << copier.rise << " " << copier.move;
   EXPECT_TRUE(card.accepted) << card.rise << " " << card.move;
+  EXPECT_TRUE(tissue.accepted) << tissue.rise << " " << tissue.move;
   EXPECT_NEAR(card.rise, copier.rise, 1e-6 * std::abs(copier.rise));
   EXPECT_NEAR(tissue.rise, copier.rise, 1e-6 * std::abs(copier.rise));
 }

@@ -109,6 +109,32 @@ TEST(CurvatureTest, BorderVerticesSeeTheBendingAcrossTheBorder) {
     for (const int i : {0, 1, 19, 20}) EXPECT_NEAR(S(j * 21 + i, 0), k, 0.15 * k) << i << " " << j;
 }
 
+TEST(CurvatureTest, RingsOfObtuseTrianglesAreKnown) {
+  // Rulings lie close together, and a vertex of one of them far from the middle of its ring: the
+  // tensor there bends the cylinder in two directions.
+  constexpr int cells = 8, n = cells + 1, moved = 4 * n + 4;
+  constexpr double k = 20;  // [1/m]
+  Sheet sheet = flat_grid(0.1, cells);
+  sheet.pattern.col(0) *= 0.15;
+  sheet.pattern(moved, 1) += 0.8 * 0.1 / cells;
+  roll(sheet, k, 0);
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const std::vector<char> obtuse = obtuse_rings(sheet.pattern, sheet.triangles, hinges);
+  EXPECT_TRUE(obtuse[moved]);
+  const Points3 curvature = vertex_curvature(sheet);
+  for (int v = 0; v < n * n; ++v) {
+    const int i = v % n, j = v / n;
+    if (i == 0 || j == 0 || i == cells || j == cells) {
+      EXPECT_FALSE(obtuse[v]) << "a border cuts ring " << v;
+      continue;
+    }
+    const Principal bend = principal_curvature(curvature.row(v));
+    if (!obtuse[v]) EXPECT_LT(std::abs(bend.k2), 0.2 * k) << v;
+  }
+  sheet.pattern(moved, 1) -= 0.8 * 0.1 / cells;
+  for (const char one : obtuse_rings(sheet.pattern, sheet.triangles, hinges)) EXPECT_FALSE(one);
+}
+
 TEST(CurvatureTest, RigidMotionDoesNotChangeTheCurvature) {
   Sheet sheet = flat_grid(0.1, 8);
   roll(sheet, 15, 0.4);
