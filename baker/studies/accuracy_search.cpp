@@ -81,6 +81,11 @@ class AccuracySearch {
     for (const int size : ladder_.sizes) {
       if (!runs_.empty() && !is_affordable(size)) break;
       run(size);
+      if (repeats_the_one_before()) {
+        runs_.pop_back();
+        choice_.tried.pop_back();
+        continue;
+      }
       if (runs_.size() > 1) compare();
       // a finer mesh has nothing to add
       if (comparable_ == 0 || first_that_keeps()) break;
@@ -141,6 +146,12 @@ class AccuracySearch {
   void note_crumple(const SampledRun& r) {
     if (r.crumples_from < r.shapes.size())
       part(r.crumples_from, "it crumples: three singular points or more");
+  }
+
+  /// Whether the last run began on the same mesh as the one before it, because a rehearsal
+  /// (rehearsal.h) has made both first meshes finer: it measures nothing.
+  bool repeats_the_one_before() const {
+    return runs_.size() > 1 && runs_.back().shapes == runs_[runs_.size() - 2].shapes;
   }
 
   /// Measures the last run against the one before it.

@@ -112,7 +112,7 @@ TEST(CurvatureTest, BorderVerticesSeeTheBendingAcrossTheBorder) {
 TEST(CurvatureTest, RingsOfObtuseTrianglesAreKnown) {
   // Rulings lie close together, and a vertex of one of them far from the middle of its ring: the
   // tensor there bends the cylinder in two directions.
-  constexpr int cells = 8, n = cells + 1, moved = 4 * n + 4;
+  constexpr int cells = 8, n = cells + 1, moved = 4 * n + 5;
   constexpr double k = 20;  // [1/m]
   Sheet sheet = flat_grid(0.1, cells);
   sheet.pattern.col(0) *= 0.15;
@@ -122,6 +122,7 @@ TEST(CurvatureTest, RingsOfObtuseTrianglesAreKnown) {
   const std::vector<char> obtuse = obtuse_rings(sheet.pattern, sheet.triangles, hinges);
   EXPECT_TRUE(obtuse[moved]);
   const Points3 curvature = vertex_curvature(sheet);
+  bool shows_two = false;
   for (int v = 0; v < n * n; ++v) {
     const int i = v % n, j = v / n;
     if (i == 0 || j == 0 || i == cells || j == cells) {
@@ -129,8 +130,12 @@ TEST(CurvatureTest, RingsOfObtuseTrianglesAreKnown) {
       continue;
     }
     const Principal bend = principal_curvature(curvature.row(v));
-    if (!obtuse[v]) EXPECT_LT(std::abs(bend.k2), 0.2 * k) << v;
+    if (obtuse[v])
+      shows_two |= std::abs(bend.k2) > 0.2 * k;
+    else
+      EXPECT_LT(std::abs(bend.k2), 0.2 * k) << v;
   }
+  EXPECT_TRUE(shows_two) << "that is why they are left out";
   sheet.pattern(moved, 1) -= 0.8 * 0.1 / cells;
   for (const char one : obtuse_rings(sheet.pattern, sheet.triangles, hinges)) EXPECT_FALSE(one);
 }
