@@ -37,6 +37,18 @@ TEST(RidgeYieldTest, ACylinderHasNoRidgesHoweverTightItIs) {
   EXPECT_EQ(ridges.focus.maxCoeff(), 1);
 }
 
+TEST(RidgeYieldTest, ASecondBendThatOnlyObtuseTrianglesShowIsNoRidge) {
+  // narrow triangles, and a vertex that sits beside the rim of its ring
+  constexpr int cells = 6;
+  Sheet sheet = test::hex_sheet(0.1, 0.1, cells);
+  int middle;
+  (sheet.pattern.rowwise() - Eigen::RowVector2d(0.05, 0.05)).rowwise().norm().minCoeff(&middle);
+  sheet.pattern.row(middle) += 0.1 / cells * Eigen::RowVector2d(0.6, 0.7);
+  sheet.pattern.col(0) *= 0.2;
+  test::roll(sheet, 0.004);
+  EXPECT_EQ(ridges_of(sheet).share.maxCoeff(), 0);
+}
+
 TEST(RidgeYieldTest, CurvatureInTwoDirectionsIsConcentratedToTheWidthOfARidge) {
   const Sheet sheet = doubly_curved(40, -40);  // 40 1/m over a cell of 12 mm: 28 degrees
   const RidgeField ridges = ridges_of(sheet);
