@@ -77,7 +77,10 @@ Opening play_opening(SheetSimulation& sheet, const AnimateOptions& options, int 
 class OpeningOnMeshes {
  public:
   OpeningOnMeshes(const Shot& shot, const MethodChoice& method, const AnimateOptions& options)
-      : shot_(shot), method_(method), options_(options), found_{0, options.first_frame - 1} {}
+      : shot_(shot),
+        method_(method),
+        options_(options),
+        found_{0, options.first_frame - 1, false} {}
 
   Rehearsal operator()() {
     found_.doublings = needed_doublings();
@@ -86,7 +89,7 @@ class OpeningOnMeshes {
 
  private:
   SheetSimulation sheet_on(int doublings) const {
-    return SheetSimulation(shot_, method_, options_, {0, {doublings, found_.last_frame}});
+    return SheetSimulation(shot_, method_, options_, {0, {doublings, found_.last_frame, false}});
   }
 
   Opening play(SheetSimulation& sheet, int patience) {
@@ -114,7 +117,10 @@ class OpeningOnMeshes {
     }
     for (int wanted = doublings_to_bend;; ++wanted) {
       SheetSimulation sheet = sheet_on(wanted);
-      if (sheet.doublings() == tried) return std::min(at_least, tried);
+      if (sheet.doublings() == tried) {
+        found_.lacks_triangles = true;
+        return std::min(at_least, tried);
+      }
       tried = sheet.doublings();
       const double edge = edge_on_ground(shot_, static_cast<int>(sheet.sheet().triangles.rows()),
                                          options_.elastic.forces.gravity);
@@ -134,7 +140,7 @@ class OpeningOnMeshes {
 
 Rehearsal rehearse(const Shot& shot, const MethodChoice& method, const AnimateOptions& options) {
   if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty())
-    return {0, options.first_frame - 1};
+    return {0, options.first_frame - 1, false};
   return OpeningOnMeshes(shot, method, options)();
 }
 

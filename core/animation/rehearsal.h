@@ -9,6 +9,8 @@ struct Rehearsal {
   int doublings = 0;  // of the number of triangles of the first mesh, so that the sheet can bend
   // the last frame whose keys it has seen; less than the first of the shot: none
   int last_frame = 0;
+  // the sheet did not bend on the finest mesh that the method may have, and might on a finer one
+  bool lacks_triangles = false;
 };
 
 /// Finds how often the number of triangles of the first mesh has to be doubled so that the sheet

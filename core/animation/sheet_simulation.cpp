@@ -111,6 +111,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       options_(options),
       number_(place.number),
       rehearsed_doublings_(place.rehearsal.doublings),
+      lacks_triangles_(place.rehearsal.lacks_triangles),
       keys_until_(place.rehearsal.last_frame),
       simulated_(shot, start_on(shot, *method_, options, rehearsed_doublings_), options, number_),
       handles_(shot, simulated_.handle_vertex, options.first_frame),
@@ -214,6 +215,10 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   if (first && rehearsed_doublings_ > 0)
     add_note("it begins with " + std::to_string(1 << method_->doublings()) +
              " times as many triangles: in a rehearsal a coarser mesh held it back");
+  if (first && lacks_triangles_)
+    add_note(
+        "in a rehearsal it did not bend on the finest first mesh that it may have: "
+        "--triangles allows more");
   now_.singular_before = sheet.singular.size();
   now_.max_motion =
       max_displacement(sheet, now_.input, resting_input_.constraints, simulated_.positions_before);

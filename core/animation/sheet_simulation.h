@@ -241,6 +241,7 @@ class SheetSimulation {
   AnimateOptions options_;
   std::size_t number_;
   int rehearsed_doublings_;    // of the triangles of its first mesh
+  bool lacks_triangles_;       // as in Rehearsal
   int keys_until_;             // the last frame whose keys a rehearsal has seen
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
   SimulatedSheet simulated_;
