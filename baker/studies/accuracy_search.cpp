@@ -78,12 +78,14 @@ class AccuracySearch {
   }
 
   AccuracyChoice operator()() {
-    for (const int size : ladder_.sizes) {
+    for (std::size_t k = 0; k < ladder_.sizes.size(); ++k) {
+      const int size = ladder_.sizes[k];
       if (!runs_.empty() && !is_affordable(size)) break;
       run(size);
       if (repeats_the_one_before()) {
         runs_.pop_back();
         choice_.tried.pop_back();
+        if (k + 1 == ladder_.sizes.size()) ladder_.sizes.push_back(2 * size);
         continue;
       }
       if (runs_.size() > 1) compare();
@@ -149,7 +151,7 @@ class AccuracySearch {
   }
 
   /// Whether the last run began on the same mesh as the one before it, because a rehearsal
-  /// (rehearsal.h) has made both first meshes finer: it measures nothing.
+  /// (rehearsal.h) has made both first meshes finer: it measures nothing, and the next size must.
   bool repeats_the_one_before() const {
     return runs_.size() > 1 && runs_.back().shapes == runs_[runs_.size() - 2].shapes;
   }

@@ -14,8 +14,8 @@ void CarriedSheet::begin(const Sheet& sheet, const StepInput& at) {
 
 void CarriedSheet::carry(SimulatedSheet& simulated, const Method& method, const Points3& start,
                          double dt) {
-  constexpr double same_branch =
-      0.03;  // [1] of the longer side: what goes farther is on another branch
+  // [1] of the longer side: what goes farther is on another branch
+  constexpr double same_branch = 0.03;
   if (!sheet_) return;
   Sheet carried = simulated.sheet;
   carried.x = start;

@@ -36,9 +36,9 @@ inline double yield_curvature(const Paper& paper) {
 }
 
 /// [J] What a sheet that is nearly flat may store: as much as a square of any size that is bent
-/// evenly by 4 degrees, D angle^2/2.
+/// evenly by 4.2 degrees, D angle^2/2.
 inline double energy_when_nearly_flat(const Paper& paper) {
-  constexpr double angle = 0.0735;  // [rad] assumed
+  constexpr double angle = 0.0735;  // [rad] assumed: 1e-6 J for copier paper of 80 g/m2
   return paper.bending_stiffness * angle * angle / 2;
 }
 

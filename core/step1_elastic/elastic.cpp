@@ -210,9 +210,9 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
   ElasticReport report = s.try_without_plasticity(
       sheet, [](const Sheet&) {},
       [&] {
-        return s.solve(sheet, problem, nullptr, how,
-                       how_far == Relaxation::softened_first ? BranchSearchMode::only
-                                                             : BranchSearchMode::none);
+        return s.solve(
+            sheet, problem, nullptr, how, BranchSearchMode::none,
+            how_far == Relaxation::softened_first ? StepStart::softened : StepStart::guess);
       });
   report.contact = s.contact && !s.contact->is_collision_free(before, sheet.x, problem.hard);
   s.report_energies(sheet.x, s.energy->dihedral_angles(sheet.x), report);

@@ -237,7 +237,8 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
 }
 
 ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* self_contact,
-                                   const NewtonOptions& how, BranchSearchMode second) {
+                                   const NewtonOptions& how, BranchSearchMode second,
+                                   StepStart start) {
   // with self-contact the hard handles pull as well, and none is eliminated
   const std::vector<int> hard = vertices_of(step.hard),
                          eliminated = self_contact ? std::vector<int>{} : hard;
@@ -258,11 +259,10 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
   choose_initial_guess(W, before, starts, sheet.x);
 
   ElasticReport report;
-  if (matrix && second == BranchSearchMode::only) {
+  if (matrix && start == StepStart::softened) {
     const IncrementalPotential of_softened{{W.sheets.front().with(*softened)}, nullptr};
     const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
     report.iterations = minimise(of_softened, how, none, sheet.x).iterations;
-    second = BranchSearchMode::none;
   }
   if (matrix) {
     MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));

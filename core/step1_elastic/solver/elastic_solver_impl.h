@@ -174,7 +174,7 @@ struct Elastic::Impl {
 
   /// One solution of the step; `self_contact` is null for a step without self-contact.
   ElasticReport solve(Sheet&, const StepProblem&, Contact* self_contact, const NewtonOptions& how,
-                      BranchSearchMode second);
+                      BranchSearchMode second, StepStart = StepStart::guess);
 
   /// Solves without self-contact. On an interactive mesh, an unfinished step gets further
   /// iterations as long as paper could not have the shape.

@@ -65,8 +65,11 @@ inline constexpr double locked_gain = 1.0 / 3;
 
 // when_slow    after a step that takes many iterations, or of a sheet that is locked
 // when_locked  only in the second case
-// only         the first branch is not searched: the membrane is softened first in any case
-enum class BranchSearchMode { when_slow, when_locked, only, none };
+// none         never
+enum class BranchSearchMode { when_slow, when_locked, none };
+// Where the minimum is sought from: the initial guess of least potential, or where that leads with
+// the softened membrane.
+enum class StepStart { guess, softened };
 enum class BranchSearchReason { slow, locked, none };
 
 // [1] stretch of an edge; paper would tear, or slip out of a hand, before it gets here: as at

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace paperbake {
 namespace {
@@ -49,6 +51,29 @@ TEST(AccuracySearchTest, FindsTheFrameInWhichMeshesPart) {
   EXPECT_EQ(parting_frame(coarser, {0.1, 0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.9}, 0.3), 4u);
   // the two may come near each other again for a moment
   EXPECT_EQ(parting_frame(coarser, {0.1, 0.1, 0.9, 0.9, 0.1, 0.9, 0.9, 0.9}, 0.3), 2u);
+}
+
+TEST(AccuracySearchTest, ASizeThatBeginsOnTheMeshOfTheOneBeforeItMeasuresNothing) {
+  // as where a rehearsal makes both first meshes finer
+  BakeSettings settings;
+  settings.scene = samples + "/S1_push.glb";
+  settings.frames = FrameSpan{1, 8, 1};
+  settings.base_triangles = 120;
+  settings.given["base_triangles"] = {"120", Origin::command};
+  settings.accuracy = 1;
+  std::vector<int> planned;
+  const BakePlan plan = plan_with_accuracy(
+      settings, [](const std::string&) {},
+      [&](BakeSettings with) {
+        planned.push_back(with.base_triangles);
+        with.base_triangles = std::max(with.base_triangles, 240);
+        return plan_bake(with);
+      });
+  EXPECT_EQ(planned, (std::vector<int>{120, 240, 480, 120})) << "the last one is the bake's";
+  ASSERT_TRUE(plan.accuracy);
+  EXPECT_EQ(plan.accuracy->size, 120);
+  ASSERT_EQ(plan.accuracy->tried.size(), 2u);
+  EXPECT_GT(plan.accuracy->error_pct, 0);
 }
 
 class AccuracyCommandTest : public test::CommandLine {
