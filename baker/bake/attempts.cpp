@@ -22,9 +22,9 @@ constexpr unsigned seed_step = 1000;
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
 /// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
 /// not at all.
-int refinement(std::size_t attempt) {
+int refinement(std::size_t attempt, AttemptReason reason) {
   if (attempt == 0) return 1;
-  return attempt % 2 == 1 ? 2 : 4;
+  return attempt % 2 == 1 && reason == AttemptReason::handle_off ? 2 : 4;
 }
 
 /// Says when people have waited long enough for a sign of life.
@@ -97,12 +97,23 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
   });
 }
 
+bool Attempts::is_doubtful() const {
+  return watches_ && (failing_ || (seen_.crumpled && may_be_finer() &&
+                                   last_seen_frame() == first_.animation.last_frame));
+}
+
+/// Whether the first mesh may be finer than the settings say: no number of triangles was asked for.
+bool Attempts::may_be_finer() const {
+  return !settings_.triangles && !settings_.accuracy && !settings_.budget &&
+         settings_.given.count("base_triangles") == 0;
+}
+
 Attempt Attempts::describe_attempt(std::size_t number) const {
-  const bool may_be_finer = !settings_.triangles && !settings_.accuracy && !settings_.budget &&
-                            settings_.given.count("base_triangles") == 0;
   Attempt attempt;
-  attempt.seed_offset = seed_step * static_cast<unsigned>(number);
-  attempt.base_triangles = settings_.base_triangles * (may_be_finer ? refinement(number) : 1);
+  attempt.base_triangles = settings_.base_triangles;
+  if (reason_ == AttemptReason::handle_off)
+    attempt.seed_offset = seed_step * static_cast<unsigned>(number);
+  if (may_be_finer()) attempt.base_triangles *= refinement(number, reason_);
   return attempt;
 }
 
@@ -133,20 +144,31 @@ std::filesystem::path Attempts::folder_of(std::size_t number) const {
 std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& stop,
                                                                   StageClock& clock) const {
   std::vector<std::unique_ptr<Candidate>> all;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(settings_.attempts); ++k) {
+  const std::size_t count =
+      reason_ == AttemptReason::crumpled ? 2 : static_cast<std::size_t>(settings_.attempts);
+  for (std::size_t k = 0; k < count; ++k) {
     BakePlan plan = plan_of(k);
     plan.polish = {};
     const std::filesystem::path folder = folder_of(k);
     make_folder(folder);
     const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
     all.push_back(std::make_unique<Candidate>(
-        std::move(plan), k == 0 ? seen_ : describe_attempt(k),
+        std::move(plan), k == 0 ? seen_ : describe_attempt(k), reason_,
         CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock));
   }
   return all;
 }
 
+/// Half a sentence.
+std::string Attempts::why_tried(const Attempt& before) const {
+  if (reason_ == AttemptReason::crumpled)
+    return fmt::format("the paper crumples on a first mesh of {} triangles", before.base_triangles);
+  return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
+                     before.frame, 1e3 * before.off);
+}
+
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
+  reason_ = failing_ ? AttemptReason::handle_off : AttemptReason::crumpled;
   auto all = make_candidates(stop, clock);
   FrequentMessage frequent;
   const auto best = [&] {
@@ -157,24 +179,26 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
   for (auto next = best(); !(*next)->is_over() && !(*next)->is_hopeless(); next = best()) {
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
-      progress.message(
-          fmt::format("attempt {} of {} is tried: up to frame {} of the attempt before it a "
-                      "handle is off by {:.1f} mm",
-                      next - all.begin() + 1, all.size(), (*(next - 1))->known().frame,
-                      1e3 * (*(next - 1))->known().off));
+      progress.message(fmt::format("attempt {} of {} is tried: {}", next - all.begin() + 1,
+                                   all.size(), why_tried((*(next - 1))->known())));
     start_likeliest(all, **next, settings_.threads);
     (*next)->show_frame();
     if (frequent.is_due())
       progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
   }
   AttemptChoice choice;
+  choice.reason = reason_;
   choice.hopeless = !(*best())->is_over();
   choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best() - all.begin());
   for (const auto& candidate : all)
     if (candidate->known().frames > 0) choice.tried.push_back(candidate->known());
   all.clear();  // what is still being simulated is not needed
-  goes_on_ = folder_of(choice.baked) == state_;
-  if (!goes_on_ && first_.polish.triangles == 0) move_checkpoints(folder_of(choice.baked), state_);
+  if (choice.baked == 0 && !failing_)
+    recorded_ = Recorded::everything;
+  else if (folder_of(choice.baked) == state_)
+    recorded_ = Recorded::first_frames;
+  else if (first_.polish.triangles == 0)
+    move_checkpoints(folder_of(choice.baked), state_);
   keep_choice(choice);
   remove_attempts();
   progress.message(describe(choice));
@@ -202,8 +226,10 @@ std::string Attempts::key() const {
 
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
-  for (const Attempt& t : choice.tried) tried.push_back({t.off, t.off_pct, t.frame, t.frames});
+  for (const Attempt& t : choice.tried)
+    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.crumpled});
   write_atomically(decision_, json_line({{"key", key()},
+                                         {"crumpled", choice.reason == AttemptReason::crumpled},
                                          {"baked", choice.baked},
                                          {"hopeless", choice.hopeless},
                                          {"tried", tried}}));
@@ -214,14 +240,17 @@ bool Attempts::load_choice() {
   try {
     const Json kept = parse_json(read_file(decision_).value_or(""));
     if (kept.at("key") != key()) return false;
+    choice.reason = kept.at("crumpled") ? AttemptReason::crumpled : AttemptReason::handle_off;
     choice.baked = kept.at("baked");
     choice.hopeless = kept.at("hopeless");
+    reason_ = choice.reason;
     for (const Json& of_attempt : kept.at("tried")) {
       Attempt attempt = describe_attempt(choice.tried.size());
       attempt.off = of_attempt.at(0);
       attempt.off_pct = of_attempt.at(1);
       attempt.frame = of_attempt.at(2);
       attempt.frames = of_attempt.at(3);
+      attempt.crumpled = of_attempt.at(4);
       choice.tried.push_back(attempt);
     }
   } catch (const std::exception&) {
@@ -234,6 +263,16 @@ bool Attempts::load_choice() {
 
 std::string describe(const AttemptChoice& choice) {
   const Attempt &first = choice.tried.front(), &baked = choice.tried.at(choice.baked);
+  if (choice.reason == AttemptReason::crumpled) {
+    const std::string on_first = fmt::format(
+        "attempts: the paper crumples on a first mesh of {} triangles", first.base_triangles);
+    const int finer = choice.tried.back().base_triangles;
+    if (choice.baked > 0)
+      return on_first + fmt::format(", but not on one of {}, which is baked", finer);
+    return on_first + (choice.tried.back().crumpled
+                           ? fmt::format(" and on one of {}; the first attempt is baked", finer)
+                           : fmt::format("; it is baked, because one of {} is not better", finer));
+  }
   std::string text =
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",
                   1e3 * first.off, first.frame);

@@ -20,9 +20,14 @@ namespace paperbake {
 /// matter of luck, and the first one is baked. Nor is it where no handle has moved: one that gives
 /// way then does so to a collider, however the paper buckles.
 ///
-/// The attempts are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
-/// fourth and so on have a first mesh of twice as many triangles, the third, the fifth and so on of
-/// four times as many, unless a number of triangles was asked for.
+/// A sheet may also crumple only because its mesh is too coarse to bend as tightly as it has to.
+/// Where all handles hold and a sheet crumples, the shot is simulated once more on a first mesh of
+/// four times as many triangles, with the seed of the bake, until a sheet crumples there, too. If
+/// none does and the handles hold, this attempt is baked.
+///
+/// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
+/// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
+/// third, the fifth and so on of four times as many, unless a number of triangles was asked for.
 ///
 /// source  this project
 class Attempts {
@@ -35,15 +40,20 @@ class Attempts {
 
   /// Looks at a frame that is recorded.
   void watch(const AnimatedFrame&);
-  /// Whether what was recorded shows that other attempts have to be tried.
+  /// Whether what was recorded shows that handles do not hold: it need not be recorded to its end.
   bool is_failing() const { return failing_; }
-  int failing_frame() const { return seen_.frame; }
+  /// Whether others have to be tried: it fails, or all of it is recorded and a sheet crumples that
+  /// might not on a finer mesh.
+  bool is_doubtful() const;
+  /// The last frame that was looked at.
+  int last_seen_frame() const { return first_.animation.first_frame + seen_.frames - 1; }
 
   /// Whether this bake has chosen, so that frames which it takes are its own.
   bool has_chosen() const { return has_chosen_; }
 
-  /// Whether what is recorded are the first frames of the attempt that was chosen.
-  bool goes_on() const { return goes_on_; }
+  /// How much of the attempt that was chosen is recorded.
+  enum class Recorded { nothing, first_frames, everything };
+  Recorded recorded() const { return recorded_; }
 
   /// Tries others, and chooses among them all. What was simulated of the chosen one are the
   /// checkpoints of the bake afterwards.
@@ -53,12 +63,14 @@ class Attempts {
  private:
   BakePlan plan_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
+  bool may_be_finer() const;
   void adopt(AttemptChoice);
   std::string key() const;
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
   std::vector<std::unique_ptr<Candidate>> make_candidates(StopRequest&, StageClock&) const;
+  std::string why_tried(const Attempt& before) const;
   void remove_attempts() const;
 
   const BakeSettings& settings_;
@@ -66,7 +78,9 @@ class Attempts {
   BakePlan plan_;
   std::filesystem::path state_, decision_;
   Attempt seen_;  // of the first attempt
-  bool watches_, failing_ = false, has_chosen_ = false, goes_on_ = false;
+  AttemptReason reason_ = AttemptReason::handle_off;
+  bool watches_, failing_ = false, has_chosen_ = false;
+  Recorded recorded_ = Recorded::nothing;
   bool moved_ = false;  // whether a handle has (have_moved)
 };
 

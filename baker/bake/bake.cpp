@@ -165,15 +165,16 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     failure = record_frames(settings, folder, *recorded, progress, stop, attempts);
   };
   record();
-  if (attempts.is_failing() && !failure) {
-    if (attempts.choose(progress, stop, clock)) {
-      if (!attempts.goes_on()) {
+  if (attempts.is_doubtful() && !failure) {
+    if (!attempts.choose(progress, stop, clock)) {
+      failure = stopped(settings, plan, attempts.last_seen_frame());
+    } else if (attempts.recorded() != Attempts::Recorded::everything) {
+      if (attempts.recorded() == Attempts::Recorded::nothing) {
         recorded.reset();  // its files are written anew
         progress.begin_again();
       }
       record();
-    } else
-      failure = stopped(settings, plan, attempts.failing_frame());
+    }
   }
   BakePipeline& pipeline = *recorded;
   if (pipeline.is_empty()) throw failure ? *failure : pipeline.files().failures.all().front().error;

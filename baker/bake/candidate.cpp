@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <utility>
@@ -41,11 +42,13 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
     attempt.off = off;
     attempt.frame = frame.frame;
   }
+  attempt.crumpled |= is_crumpled(*frame.sheet);
 }
 
-Candidate::Candidate(BakePlan plan, const Attempt& known, CandidateFolder folder, StopRequest& stop,
-                     StageClock& clock)
+Candidate::Candidate(BakePlan plan, const Attempt& known, AttemptReason reason,
+                     CandidateFolder folder, StopRequest& stop, StageClock& clock)
     : plan_(std::move(plan)),
+      reason_(reason),
       folder_(std::move(folder)),
       clock_(clock),
       shown_{known},
@@ -62,13 +65,15 @@ bool Candidate::is_over(const State& state) const {
   return state.attempt.frames == frames_of(plan_);
 }
 
-bool Candidate::is_hopeless(const State& state) {
-  return state.failed || state.attempt.off_pct >= AttemptChoice::hopeless_pct;
+bool Candidate::is_hopeless(const State& state) const {
+  return std::isinf(badness(state)) || state.attempt.off_pct >= AttemptChoice::hopeless_pct;
 }
 
-double Candidate::badness(const State& state) {
-  return state.failed ? std::numeric_limits<double>::infinity()
-                      : std::max(state.attempt.off, tolerance_of_attempts());
+double Candidate::badness(const State& state) const {
+  const bool is_no_better = reason_ == AttemptReason::crumpled &&
+                            (state.attempt.crumpled || state.attempt.off > tolerance_of_attempts());
+  return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
+                                      : std::max(state.attempt.off, tolerance_of_attempts());
 }
 
 std::string Candidate::describe_state(std::size_t number, std::size_t of) const {

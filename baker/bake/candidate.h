@@ -28,16 +28,19 @@ struct CandidateFolder {
 /// not depend on the number of threads.
 class Candidate {
  public:
-  /// plan   of the attempt
-  /// known  of it before: of its first known.frames frames
-  Candidate(BakePlan plan, const Attempt& known, CandidateFolder, StopRequest&, StageClock&);
+  /// plan    of the attempt
+  /// known   of it before: of its first known.frames frames
+  /// reason  why attempts are compared
+  Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, CandidateFolder,
+            StopRequest&, StageClock&);
 
   const Attempt& known() const { return shown_.attempt; }
   /// Whether it has shown a frame.
   bool has_begun() const { return begun_; }
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
-  /// What attempts are compared by: all that are within the tolerance are alike.
+  /// What attempts are compared by: all that are within the tolerance are alike. Where a sheet that
+  /// crumples is the reason, those are infinitely bad that crumple or are not within the tolerance.
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;
@@ -66,8 +69,8 @@ class Candidate {
     bool failed = false;
   };
   bool is_over(const State&) const;
-  static bool is_hopeless(const State&);
-  static double badness(const State&);
+  bool is_hopeless(const State&) const;
+  double badness(const State&) const;
 
   void take_in();
   std::vector<State> simulate();
@@ -75,6 +78,7 @@ class Candidate {
   void add(const AnimatedFrame&, std::vector<State>&);
 
   BakePlan plan_;
+  AttemptReason reason_;
   CandidateFolder folder_;
   StageClock& clock_;
   State shown_, ahead_;
@@ -94,7 +98,8 @@ class Candidate {
 /// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
 double tolerance_of_attempts();
 
-/// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it.
+/// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
+/// and whether its sheet is crumpled.
 /// Distances that paper cannot bridge (BakePlan::impossible) do not count.
 void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
 

@@ -5,15 +5,21 @@
 
 namespace paperbake {
 
+/// Why other attempts at a shot than the first are simulated (baker/bake/attempts.h).
+/// handle_off  a handle of the first one is off by more than the gate of handles allows
+/// crumpled    its sheet crumples, and might not on a finer mesh
+enum class AttemptReason { handle_off, crumpled };
+
 /// One way to simulate a shot that was tried (baker/bake/attempts.h).
 struct Attempt {
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
   // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.
-  double off = 0;      // [m] by which attempts are compared
-  double off_pct = 0;  // [% of the longer side of its sheet]
-  int frame = 0;       // in which it is
-  int frames = 0;      // that were simulated
+  double off = 0;         // [m] by which attempts are compared
+  double off_pct = 0;     // [% of the longer side of its sheet]
+  int frame = 0;          // in which it is
+  int frames = 0;         // that were simulated
+  bool crumpled = false;  // whether a sheet is (core/model/sheet.h)
 };
 
 /// Which attempt of a shot is baked, and which were tried.
@@ -21,6 +27,7 @@ struct AttemptChoice {
   // of the longer side: what is off by more never ends well
   static constexpr double hopeless_pct = 10;
 
+  AttemptReason reason = AttemptReason::handle_off;
   std::size_t baked = 0;  // index into tried
   // all were off by a tenth of the sheet or more before the end of the shot, or failed
   bool hopeless = false;

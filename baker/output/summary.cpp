@@ -236,10 +236,14 @@ Json attempts_json(const BakePlan& plan) {
     tried.push_back({{"seed_offset", t.seed_offset},
                      {"base_triangles", t.base_triangles},
                      {"frames", t.frames},
+                     {"crumpled", t.crumpled},
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},
                      {"frame_of_off", t.frame}});
-  return {{"baked", plan.attempt->baked + 1}, {"tried", tried}};
+  const bool crumpled = plan.attempt->reason == AttemptReason::crumpled;
+  return {{"reason", crumpled ? "crumpled" : "handle off"},
+          {"baked", plan.attempt->baked + 1},
+          {"tried", tried}};
 }
 
 /// null: the bake has no twin
