@@ -34,6 +34,11 @@ double tolerance_of_attempts() { return 1e-3 * Gates{}.handle_err_mm; }
 void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
   const Shot& shot = plan.shots[frame.sheet_index];
   const double side = longer_side(shot.pattern);
+  attempt.crumpled |= is_crumpled(*frame.sheet);
+  const auto held =
+      std::count_if(frame.handles.begin(), frame.handles.end(),
+                    [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
+  if (is_pulled(frame.statistics, static_cast<int>(held))) return;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);
@@ -42,7 +47,6 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
     attempt.off = off;
     attempt.frame = frame.frame;
   }
-  attempt.crumpled |= is_crumpled(*frame.sheet);
 }
 
 Candidate::Candidate(BakePlan plan, const Attempt& known, AttemptReason reason,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -180,21 +181,33 @@ bool is_out_of_reach(const FrameRecord& f, const BakePlan& plan) {
                             });
 }
 
-/// The handle that the paper could follow least, if one is known, and why it could not.
-std::string describe_worst_jam(const FrameRecord& f, const BakePlan& plan) {
-  const Jam* worst = worst_jam(f);
-  if (!worst) return "";
+/// How many handles hold the sheet of a frame.
+int held_handles(const FrameRecord& f, const BakePlan& plan) {
+  int held = 0;
+  for (const Shot& shot : plan.shots)
+    if (shot.sheet_name == f.sheet)
+      for (const Handle& handle : shot.handles) held += handle.held(f.frame);
+  return held;
+}
+
+/// Why the paper could not follow a handle.
+struct Hindrance {
+  std::string why;     // what the handle is
+  std::string advice;  // empty: another sentence gives it
+};
+
+Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
   const std::string touches = what_touches(f, plan);
-  const auto why = [&]() -> std::string {
-    if (is_out_of_reach(f, plan)) return "keyed beyond the reach of the paper";
-    if (!touches.empty()) return "jammed; the sheet touches " + touches;
-    if (has_start_fault(plan, f.sheet)) return "jammed";
-    if (f.statistics.inertia && f.statistics.singular == 0)
-      return "behind, though nothing touches the sheet: its weight, its speed or the air may be "
-             "too strong for the hand, which gives way rather than tear the paper";
-    return "jammed, though nothing touches the sheet: its mesh does not fold any farther";
-  };
-  return fmt::format(" (\"{}\" is {})", worst->handle, why());
+  if (is_out_of_reach(f, plan)) return {"keyed beyond the reach of the paper", ""};
+  if (!has_start_fault(plan, f.sheet) && is_pulled(f.statistics, held_handles(f, plan)))
+    return {fmt::format("behind{}: its weight, its speed or the air may be too strong for the "
+                        "hand, which gives way rather than tear the paper",
+                        touches.empty() ? ", though nothing touches the sheet" : ""),
+            "Hold the paper with more handles, move them more slowly, or make the wind weaker."};
+  if (!touches.empty()) return {"jammed; the sheet touches " + touches, advice(Gate::handles)};
+  if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles)};
+  return {"jammed, though nothing touches the sheet: its mesh does not fold any farther",
+          advice(Gate::handles)};
 }
 
 /// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.
@@ -207,6 +220,11 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
 }
 
 }  // namespace
+
+bool is_pulled(const FrameStatistics& now, int held) {
+  if (!now.inertia || now.on_colliders > 0 || now.touching_others > 0) return false;
+  return held == 1 || (now.touching == 0 && now.singular == 0);
+}
 
 std::string describe_unsolved(const std::vector<FrameRecord>& frames) {
   const std::string when =
@@ -267,19 +285,24 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
                                      const BakePlan& plan) {
   Review review(frames, plan.shots.size() > 1);
   review_lengths(gates, review);
-  bool is_beyond_reach = false;
+  std::optional<std::string> advice_on_handles;
   review.check(
       Gate::handles, gates.handle_err_mm,
       [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       [&](const FrameRecord& f, double value) {
-        is_beyond_reach = is_out_of_reach(f, plan);
+        std::string jam;
+        if (const Jam* worst = worst_jam(f)) {
+          const Hindrance found = hindrance(f, plan);
+          jam = fmt::format(" (\"{}\" is {})", worst->handle, found.why);
+          advice_on_handles = found.advice;
+        }
         return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
-                           gates.handle_err_mm, describe_worst_jam(f, plan));
+                           gates.handle_err_mm, jam);
       });
   if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
     if (const std::string unsolved = describe_unsolved(frames); !unsolved.empty())
       review.missed.back().sentence += " " + unsolved;
-  if (is_beyond_reach) review.missed.back().advice.clear();  // that of the reach is given
+  if (advice_on_handles) review.missed.back().advice = *advice_on_handles;
   review_crossings(review);
   review.check(
       Gate::colliders, gates.inside_mm,

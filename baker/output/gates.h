@@ -34,6 +34,12 @@ struct MissedGate {
 std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord>&,
                                      const BakePlan&);
 
+/// Whether only its weight, its speed or the air can have pulled a sheet off a handle in a
+/// frame: a sheet with inertia that touches nothing and has no singular points. One that a single
+/// handle holds may have them and touch itself: nothing pulls the other way.
+/// held  how many handles hold it
+bool is_pulled(const FrameStatistics&, int held);
+
 /// A sentence about the frames in which the solver gave up; empty: there are none. That of the gate
 /// of handles contains it.
 std::string describe_unsolved(const std::vector<FrameRecord>&);

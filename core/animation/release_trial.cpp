@@ -13,7 +13,7 @@ void ReleaseTrial::begin(SimulatedSheet& simulated, LetGo let_go) {
   let_go_ = let_go;
   if (!simulated.has_inertia()) {
     is_on_ = let_go != LetGo::no;
-    if (is_on_)
+    if (is_on_ && let_go != LetGo::by_balance)
       potential_at_start_ = simulated.elastic.evaluate_energies(simulated.sheet).potential;
   } else if (damping_ > 0 && let_go == LetGo::by_handles) {
     damping_ = 0;  // from here on it may swing
@@ -48,8 +48,20 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
   return swing;
 }
 
+bool ReleaseTrial::drops(SimulatedSheet& simulated, const SimulatedSheet::Snapshot& start,
+                         const FrameStepResult& step, double fastest_drive) const {
+  const double dt = 1 / fps_;
+  const double fastest = fastest_drive + max_row_norm(start.sheet.v) + std::abs(gravity_) * dt;
+  if (max_row_norm(simulated.sheet.x - start.sheet.x) <= fastest * dt) return false;
+  const ElasticReport before = simulated.elastic.evaluate_energies(start.sheet);
+  const double by_paper = before.energy - step.last.energy;
+  return before.potential - step.last.potential - by_paper > std::max(by_paper, 0.0);
+}
+
 std::string ReleaseTrial::note_of(const Swing& swing) const {
-  return formatted(let_go_ == LetGo::as_modelled
+  return formatted(let_go_ == LetGo::by_balance
+                       ? "it loses its balance and falls by %.1f mm: it moves with inertia now"
+                   : let_go_ == LetGo::as_modelled
                        ? "the shape in which it was modelled does not bear its weight: it gives "
                          "way by %.1f mm, with inertia and much damping, until it is at rest"
                        : "let go, it springs by %.1f mm: it moves with inertia now",
@@ -58,8 +70,12 @@ std::string ReleaseTrial::note_of(const Swing& swing) const {
 
 ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
                                         const FrameStepResult& step, const StepInput& at,
-                                        double fastest_drive) {
+                                        FastestDrive drive) {
   if (!is_on_) return {};
+  if (!was_let_go() && let_go_ == LetGo::by_balance) {
+    if (!step.failure_reason.empty() || !drops(simulated, start, step, drive.this_frame)) return {};
+    potential_at_start_ = simulated.elastic.evaluate_energies(start.sheet).potential;
+  }
   is_on_ = false;
   Verdict verdict;
   if (was_let_go()) {
@@ -78,7 +94,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     // last step was.
     Points3& v = start.sheet.v;
     const double fastest = max_row_norm(v);
-    if (fastest > fastest_drive) v *= fastest_drive / fastest;
+    if (fastest > drive.frame_before) v *= drive.frame_before / fastest;
     verdict.note = note_of(swing);
   }
   quiet_ = 0;

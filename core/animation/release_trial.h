@@ -10,11 +10,11 @@
 namespace paperbake {
 
 /// Decides when a sheet that is simulated without inertia gets it: from the frame in which handles
-/// let go of it and it springs, until it has come to rest (ReleaseInertia). A sheet that was
-/// modelled in a shape which does not bear its weight is let go, too, after the first frame, which
-/// shows it as it was modelled; but nobody means it to swing, so its motion is damped critically,
-/// until it is at rest or handles let go of it. A frame in which that may begin or end is first
-/// taken without inertia, on trial.
+/// let go of it and it springs, or in which it loses its balance and its weight takes it elsewhere,
+/// until it has come to rest (ReleaseInertia). A sheet that was modelled in a shape which does not
+/// bear its weight is let go, too, after the first frame, which shows it as it was modelled; but
+/// nobody means it to swing, so its motion is damped critically, until it is at rest or handles let
+/// go of it. A frame in which that may begin or end is first taken without inertia, on trial.
 class ReleaseTrial {
  public:
   /// gravity  [m/s2]
@@ -22,24 +22,28 @@ class ReleaseTrial {
 
   /// Begins a trial if there is reason for one. To be called before the mesh of the frame is
   /// changed, which may change what the sheet stores.
-  enum class LetGo { no, by_handles, as_modelled };
+  enum class LetGo { no, by_handles, as_modelled, by_balance };
   /// by_handles   a vertex that was held in the frame before no longer is
   /// as_modelled  this is the second frame of a sheet that has weight
+  /// by_balance   this is another frame of one, which may lose its balance
   void begin(SimulatedSheet&, LetGo);
   void skip() { is_on_ = false; }
   bool is_on() const { return is_on_; }
 
+  /// [m/s] of the fastest handle or collider
+  struct FastestDrive {
+    double frame_before, this_frame;
+  };
   struct Verdict {
     bool needs_inertia = false;  // the sheet has it now; the step is to be taken again from `start`
     std::string note;            // for the artist; may be empty
   };
   /// Ends the trial after the step of the frame.
   /// start          where the step began. A sheet that was at equilibrium gets no more velocity
-  ///                there than fastest_drive.
+  ///                there than the fastest drive of the frame before.
   /// at             the input of this frame, with the colliders standing still
-  /// fastest_drive  [m/s] of the fastest handle or collider in the frame before
   Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
-              const StepInput& at, double fastest_drive);
+              const StepInput& at, FastestDrive);
 
   /// Gives the sheet the inertia that it has because it was let go.
   void give_inertia(SimulatedSheet&) const;
@@ -54,6 +58,10 @@ class ReleaseTrial {
  private:
   Swing swing(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
               const StepInput& at) const;
+  /// Whether the step on trial moves the sheet farther than it can fall in a frame, and its weight
+  /// frees more energy in that than the paper does.
+  bool drops(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
+             double fastest_drive) const;
   std::string note_of(const Swing&) const;
 
   double fps_, gravity_;

@@ -291,14 +291,16 @@ void SheetSimulation::begin_trial() {
   const bool has_weight = options_.elastic.forces.gravity != 0;
   release_.begin(simulated_, lets_go(resting_input_.constraints, now_.input.constraints)
                                  ? LetGo::by_handles
-                             : has_weight && frame_ == options_.first_frame + 1 ? LetGo::as_modelled
-                                                                                : LetGo::no);
+                             : !has_weight                        ? LetGo::no
+                             : frame_ == options_.first_frame + 1 ? LetGo::as_modelled
+                                                                  : LetGo::by_balance);
 }
 
 bool SheetSimulation::end_trial() {
   if (!release_.is_on()) return false;
-  const ReleaseTrial::Verdict verdict = release_.end(simulated_, *now_.step_start, now_.step,
-                                                     resting_input_, fastest_drive(frame_ - 1));
+  const ReleaseTrial::Verdict verdict =
+      release_.end(simulated_, *now_.step_start, now_.step, resting_input_,
+                   {fastest_drive(frame_ - 1), fastest_drive(frame_)});
   add_note(verdict.note);
   return verdict.needs_inertia;
 }

@@ -81,6 +81,17 @@ TEST(Attempt, DoesNotCountAHandleThatHoldsNothing) {
   EXPECT_NEAR(attempt.off, 0.001, 1e-12);
 }
 
+TEST(Attempt, DoesNotCountAHandleThatTheSheetIsPulledOff) {
+  AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
+  frame.statistics.inertia = true;
+  Attempt attempt;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_EQ(attempt.off, 0) << "no seed and no mesh makes a hand stronger";
+  frame.statistics.touching = 1;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_NEAR(attempt.off, 0.05, 1e-12);
+}
+
 TEST(Attempt, DoesNotCountASoftHandleThatLags) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
   frame.handles[1].state = HandleFrame::soft;

@@ -219,8 +219,25 @@ TEST(Gates, WhatPullsASheetOffAHandleIsTold) {
   EXPECT_TRUE(says("does not fold any farther"));
   bad.statistics.inertia = true;
   EXPECT_TRUE(says("\"handle.post\" is behind, though nothing touches the sheet: its weight"));
+  EXPECT_EQ(missed_gates({}, {bad}, {})[0].advice.find("in the way"), std::string::npos);
+  EXPECT_NE(missed_gates({}, {bad}, {})[0].advice.find("more handles"), std::string::npos);
   bad.statistics.singular = 3;
   EXPECT_TRUE(says("does not fold any farther"));
+}
+
+TEST(Gates, ASheetThatASingleHandleHoldsCannotBeJammedByItself) {
+  FrameStatistics now;
+  now.inertia = true;
+  now.touching = 9;
+  now.singular = 2;
+  EXPECT_TRUE(is_pulled(now, 1));
+  EXPECT_FALSE(is_pulled(now, 2)) << "two hands may crush it between them";
+  now.on_colliders = 1;
+  EXPECT_FALSE(is_pulled(now, 1)) << "a collider may hold it";
+  now.on_colliders = now.touching = now.singular = 0;
+  EXPECT_TRUE(is_pulled(now, 2));
+  now.inertia = false;
+  EXPECT_FALSE(is_pulled(now, 1));
 }
 
 }  // namespace

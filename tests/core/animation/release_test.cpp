@@ -250,6 +250,49 @@ TEST(ReleaseTest, ASheetModelledInAShapeThatDoesNotBearItsWeightTakesSeveralFram
   for (const AnimatedFrame& frame : hangs.frames[0]) ASSERT_FALSE(frame.statistics.inertia);
 }
 
+TEST(ReleaseTest, AnUprightPageThatLosesItsBalanceFallsAsFastAsItsWeightTakesIt) {
+  // A4, upright, held by four points at its lower left corner, which go to and fro after a while:
+  // until then nothing disturbs its balance
+  constexpr int frames = 48;
+  const Vector3d x(1, 0, 0), z(0, 0, 1), origin = Vector3d::Zero();
+  Shot shot = test::placed(0.21, 0.297, origin, x, z);
+  for (const double u : {0.004, 0.03})
+    for (const double v : {0.004, 0.06})
+      test::hold(
+          shot, {u, v}, frames,
+          [](int f) { return Vector3d(0, 2e-3 * std::sin(0.2 * std::max(0, f - 10)), 0); }, origin,
+          x, z);
+  const auto farthest_in_a_frame = [](const Outcome& outcome) {
+    double most = 0;
+    for (std::size_t f = 1; f < outcome.shapes[0].size(); ++f) {
+      const Sheet &now = outcome.shapes[0][f], &before = outcome.shapes[0][f - 1];
+      // the corner that is farthest from the hand, whatever the mesh
+      const auto corner = [](const Sheet& sheet) {
+        Eigen::Index at = 0;
+        sheet.pattern.rowwise().norm().maxCoeff(&at);
+        return Vector3d(sheet.x.row(at));
+      };
+      most = std::max(most, (corner(now) - corner(before)).norm());
+    }
+    return most;
+  };
+  for (const double fps : {24.0, 48.0}) {
+    AnimateOptions options = until(frames);
+    options.fps = fps;
+    options.elastic.forces.gravity = 9.81;
+    const Outcome falls = test::outcome_of({shot}, small_hybrid, options);
+    options.release_inertia = ReleaseInertia::off;
+    const Outcome drops = test::outcome_of({shot}, small_hybrid, options);
+    ASSERT_GT(farthest_in_a_frame(drops), 0.2) << "without inertia it is there within one frame";
+    // nothing that turns about the hand falls faster than from twice its own height
+    EXPECT_LT(farthest_in_a_frame(falls), std::sqrt(2 * 9.81 * 2 * 0.36) / fps);
+    bool told = false;
+    for (const AnimatedFrame& frame : falls.frames[0])
+      told |= frame.note.find("loses its balance") != std::string::npos;
+    EXPECT_TRUE(told);
+  }
+}
+
 TEST(ReleaseTest, ASheetThatIsLetGoWhileItSinksSwings) {
   // held level along 6 cm; from frame 4 on, when it is on its way down, along 4 cm
   constexpr int frames = 72;
