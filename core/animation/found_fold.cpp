@@ -22,6 +22,10 @@ namespace {
 constexpr double kept_energy = 0.9;    // [1] of what is stored, at most
 constexpr double max_stretch = 0.005;  // [1] |l - L|/L of an edge
 constexpr double max_move = 0.1;       // [1] of the longer side, in contact
+// The mesh on which a sheet must be folded, too, has so many times as many triangles. Twice is
+// enough for a roll to bend less in a row of them than a fold does. On four times as many, a fold
+// would do so as well: paper that has yielded keeps its bend as wide as a row of the coarse mesh.
+constexpr int refinement_of_other_mesh = 2;
 
 /// The triangles of a sheet within a row of a line.
 std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
@@ -67,15 +71,16 @@ double uncurl_along(const FoldLine& line, const UnfoldedSheet& unfolded, const P
 }
 
 /// The sheet as it was when a step began, on a mesh with one crease more. It is not folded there.
+/// refinement  as in Method::mesh_with_creases
 std::optional<Sheet> with_crease(const FoldLine& line, const UnfoldedSheet& unfolded,
-                                 const PastStep& then, const Method& method,
+                                 const PastStep& then, const Method& method, int refinement,
                                  std::vector<char>& fixed) {
   Pattern pattern = unfolded.shot.pattern;
   pattern.prescribed_creases = then.sheet.prescribed_creases;
   pattern.prescribed_creases.push_back({{line.a, line.b}, 0, false});
   std::vector<Vector2d> points = required_points(unfolded.shot);
   for (const SingularPoint& point : then.sheet.singular) points.push_back(point.pattern);
-  std::optional<PatternMesh> mesh = method.mesh_with_creases(pattern, points);
+  std::optional<PatternMesh> mesh = method.mesh_with_creases(pattern, points, refinement);
   if (!mesh) return std::nullopt;
 
   Sheet sheet;
@@ -104,11 +109,13 @@ void fold_on_last_crease(Sheet& sheet, double rest_angle) {
 
 enum class Crease { folded, none };
 
-/// The sheet as it was when a step began, on a mesh that has a line among its edges.
+/// The sheet as it was when a step began, on a mesh that has a line among its edges: folded there,
+/// or not folded and finer.
 std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const UnfoldedSheet& unfolded,
                                const PastStep& then, const Method& method) {
   std::vector<char> fixed;
-  std::optional<Sheet> sheet = with_crease(line, unfolded, then, method, fixed);
+  std::optional<Sheet> sheet = with_crease(
+      line, unfolded, then, method, crease == Crease::folded ? 1 : refinement_of_other_mesh, fixed);
   if (!sheet) return std::nullopt;
   unfolded.grid = then.grid;
   if (crease == Crease::folded)
@@ -209,8 +216,8 @@ class Trials {
     return true;
   }
 
-  /// Whether the sheet is being folded, too, if it takes the steps unfolded on the mesh of the best
-  /// place. If it is not, its bend was one of its mesh.
+  /// Whether the sheet is being folded, too, if it takes the steps unfolded on a finer mesh with the
+  /// edges of the best place. If it is not, its bend was one of its mesh.
   bool bends_on_other_mesh() const {
     std::optional<FoundFold> same =
         begin(best_line_, Crease::none, unfolded_, steps_.front(), method_);

@@ -64,8 +64,8 @@ struct FoundFold {
 /// possible, the one with which least is spent is taken: there paper folds.
 ///
 /// A mesh of few triangles may bend where paper does not, along its own edges. So where colliders
-/// do not say where the line lies, the sheet takes the step on the mesh of the fold once more
-/// without folding: the method must find that it is being folded there, too.
+/// do not say where the line lies, the sheet takes the step once more without folding, on a mesh of
+/// twice as many triangles: the method must find that it is being folded there, too.
 ///
 /// returns  nothing if no fold is possible, if it is one of its mesh, or if the method has no mesh
 ///          with the line; the sheet and the grid are then as they were

@@ -201,7 +201,7 @@ StartMesh mesh_of_start(const Shot& shot, Method& method, const std::vector<Vect
   if (!choice.any()) return start;
   const auto most = more_triangles + start.mesh.triangles.rows();
   while (const std::optional<Pattern> bent = choice.next(start.mesh)) {
-    std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points);
+    std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points, 1);
     if (!mesh || mesh->triangles.rows() > most) break;
     start = {std::move(*mesh), true};
   }

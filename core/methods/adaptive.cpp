@@ -62,9 +62,10 @@ class Adaptive : public Method {
     return mesh;
   }
   std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
-                                               const std::vector<Vector2d>& points) const override {
-    std::optional<PatternMesh> mesh =
-        try_mesh_pattern(pattern, first_edge(pattern), points, options_.turn);
+                                               const std::vector<Vector2d>& points,
+                                               int refinement) const override {
+    std::optional<PatternMesh> mesh = try_mesh_pattern(
+        pattern, first_edge(pattern) / std::sqrt(refinement), points, options_.turn);
     if (mesh) number_points_first(*mesh);
     return mesh;
   }

@@ -13,9 +13,10 @@ class Fem : public Method {
     return mesh_pattern_with(pattern, lattice_.triangles, points, lattice_.turn);
   }
   std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
-                                               const std::vector<Vector2d>& points) const override {
-    return try_mesh_pattern(pattern, equilateral_edge(pattern, lattice_.triangles), points,
-                            lattice_.turn);
+                                               const std::vector<Vector2d>& points,
+                                               int refinement) const override {
+    return try_mesh_pattern(pattern, equilateral_edge(pattern, refinement * lattice_.triangles),
+                            points, lattice_.turn);
   }
 
  private:

@@ -75,9 +75,10 @@ class Hybrid : public Method {
     return crumple_.pressed_lines(sheet, memory, colliders);
   }
   std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
-                                               const std::vector<Vector2d>& points) const override {
-    std::optional<PatternMesh> mesh = try_mesh_pattern(
-        pattern, equilateral_edge(pattern, lattice_now().triangles), points, lattice_.turn);
+                                               const std::vector<Vector2d>& points,
+                                               int refinement) const override {
+    const double edge = equilateral_edge(pattern, refinement * lattice_now().triangles);
+    std::optional<PatternMesh> mesh = try_mesh_pattern(pattern, edge, points, lattice_.turn);
     if (mesh) number_points_first(*mesh);
     return mesh;
   }

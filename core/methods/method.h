@@ -83,8 +83,10 @@ class Method {
   /// sheet is being folded there, or it begins bent there. The points get the numbers that they
   /// have in the first mesh. Nothing if the method cannot take creases up, or no sound mesh has
   /// them.
-  virtual std::optional<PatternMesh> mesh_with_creases(
-      const Pattern&, const std::vector<Vector2d>& /*points*/) const {
+  /// refinement  how many times as many triangles as the first mesh it has
+  virtual std::optional<PatternMesh> mesh_with_creases(const Pattern&,
+                                                       const std::vector<Vector2d>& /*points*/,
+                                                       int /*refinement*/) const {
     return std::nullopt;
   }
 

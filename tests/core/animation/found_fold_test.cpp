@@ -192,8 +192,8 @@ class Unwilling : public Method {
     ++counts_.said;
     return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
   }
-  std::optional<PatternMesh> mesh_with_creases(const Pattern&,
-                                               const std::vector<Vector2d>&) const override {
+  std::optional<PatternMesh> mesh_with_creases(const Pattern&, const std::vector<Vector2d>&,
+                                               int) const override {
     ++counts_.asked;
     return std::nullopt;
   }
@@ -214,12 +214,12 @@ TEST(FoundFoldTest, AFoldThatIsRefusedIsTriedAgainOnlyWhenTheEnergyHasChanged) {
   EXPECT_GT(counts.said, counts.asked + 5);
 }
 
-/// Hybrid, which may say on its first mesh alone that the sheet is being folded.
+/// Hybrid, which says on some meshes that the sheet is being folded.
+enum class FoldedOn { all_meshes, first_mesh, coarse_meshes };
 class Mistaken : public Method {
  public:
-  Mistaken(const Shot& shot, bool on_first_mesh_only)
-      : on_first_mesh_only_(on_first_mesh_only),
-        hybrid_(hybrid(shot.pattern, shot.paper, 120, {}, 0, 0).make()) {}
+  Mistaken(const Shot& shot, FoldedOn on)
+      : on_(on), hybrid_(hybrid(shot.pattern, shot.paper, 120, {}, 0, 0).make()) {}
   PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     PatternMesh mesh = hybrid_->first_mesh(pattern, points);
     first_ = mesh.triangles;
@@ -227,35 +227,38 @@ class Mistaken : public Method {
   }
   bool finds_folds(const Sheet&) const override { return true; }
   std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory&) const override {
-    const bool is_first = sheet.triangles.rows() == first_.rows() && sheet.triangles == first_;
-    if (!sheet.prescribed_creases.empty() || (on_first_mesh_only_ && !is_first)) return {};
+    const auto count = sheet.triangles.rows();
+    const bool is_first = count == first_.rows() && sheet.triangles == first_;
+    if (!sheet.prescribed_creases.empty() || (on_ == FoldedOn::first_mesh && !is_first) ||
+        (on_ == FoldedOn::coarse_meshes && 2 * count > 3 * first_.rows()))
+      return {};
     return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
   }
   std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
-                                               const std::vector<Vector2d>& points) const override {
-    return hybrid_->mesh_with_creases(pattern, points);
+                                               const std::vector<Vector2d>& points,
+                                               int refinement) const override {
+    return hybrid_->mesh_with_creases(pattern, points, refinement);
   }
 
  private:
-  bool on_first_mesh_only_;
+  FoldedOn on_;
   std::unique_ptr<Method> hybrid_;
   Triangles first_;
 };
 
-TEST(FoundFoldTest, ABendThatAnotherMeshDoesNotHaveIsNoFold) {
+TEST(FoundFoldTest, ABendThatAFinerMeshDoesNotHaveIsNoFold) {
   const Shot page = pinched_page();
-  for (const bool on_first_mesh_only : {false, true}) {
+  for (const FoldedOn on : {FoldedOn::all_meshes, FoldedOn::first_mesh, FoldedOn::coarse_meshes}) {
     AnimateOptions options;
     options.last_frame = 24;
     options.plasticity = Plasticity::on;
     bool folded = false;
-    animate(page,
-            {"mistaken", [&] { return std::make_unique<Mistaken>(page, on_first_mesh_only); }},
-            options, [&](const AnimatedFrame& frame) {
+    animate(page, {"mistaken", [&] { return std::make_unique<Mistaken>(page, on); }}, options,
+            [&](const AnimatedFrame& frame) {
               folded = !frame.sheet->prescribed_creases.empty();
               return true;
             });
-    EXPECT_EQ(folded, !on_first_mesh_only);
+    EXPECT_EQ(folded, on == FoldedOn::all_meshes);
   }
 }
 
