@@ -25,7 +25,7 @@ constexpr double max_move = 0.1;       // [1] of the longer side, in contact
 // The mesh on which a sheet must be folded, too, has so many times as many triangles. Twice is
 // enough for a roll to bend less in a row of them than a fold does. On four times as many, a fold
 // would do so as well: paper that has yielded keeps its bend as wide as a row of the coarse mesh.
-constexpr int refinement_of_other_mesh = 2;
+constexpr int refinement_of_finer_mesh = 2;
 
 /// The triangles of a sheet within a row of a line.
 std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
@@ -115,7 +115,7 @@ std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const Unfold
                                const PastStep& then, const Method& method) {
   std::vector<char> fixed;
   std::optional<Sheet> sheet = with_crease(
-      line, unfolded, then, method, crease == Crease::folded ? 1 : refinement_of_other_mesh, fixed);
+      line, unfolded, then, method, crease == Crease::folded ? 1 : refinement_of_finer_mesh, fixed);
   if (!sheet) return std::nullopt;
   unfolded.grid = then.grid;
   if (crease == Crease::folded)
@@ -216,9 +216,9 @@ class Trials {
     return true;
   }
 
-  /// Whether the sheet is being folded, too, if it takes the steps unfolded on a finer mesh with the
-  /// edges of the best place. If it is not, its bend was one of its mesh.
-  bool bends_on_other_mesh() const {
+  /// Whether the sheet is being folded, too, if it takes the steps unfolded on a finer mesh with
+  /// the line of the best place. If it is not, its bend was one of its mesh.
+  bool bends_on_finer_mesh() const {
     std::optional<FoundFold> same =
         begin(best_line_, Crease::none, unfolded_, steps_.front(), method_);
     bool bends = same && follow(*same, unfolded_, steps_);
@@ -261,7 +261,7 @@ std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines,
   } else {
     for (const FoldLine& line : lines) trials.improves(line);
   }
-  if (!trials.best || !(taut || trials.bends_on_other_mesh())) return std::nullopt;
+  if (!trials.best || !(taut || trials.bends_on_finer_mesh())) return std::nullopt;
   unfolded.grid = trials.best->grid;
   trials.best->elastic.set_plastic_grid(&unfolded.grid);
   return std::move(trials.best);
