@@ -4,6 +4,7 @@
 #include "baker/bake/task_queue.h"
 #include "baker/job/input_hash.h"
 #include "baker/output/output_folder.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -18,6 +19,10 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
+// [1] of the longer side: how far triangles may be from the smooth paper that they stand for. It is
+// what counts as visible elsewhere, too (core/animation/swing.h). On the strips of a first mesh of
+// 120 triangles it is a fold of 40 degrees from one to the next.
+constexpr double most_sagitta = 0.005;
 
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
 /// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
@@ -25,6 +30,15 @@ constexpr unsigned seed_step = 1000;
 int refinement(std::size_t attempt, AttemptReason reason) {
   if (attempt == 0) return 1;
   return attempt % 2 == 1 && reason == AttemptReason::handle_off ? 2 : 4;
+}
+
+/// Half a sentence on why the first attempt is doubted although its handles hold.
+std::string what_is_coarse(AttemptReason reason, const Attempt& first) {
+  return reason == AttemptReason::crumpled
+             ? fmt::format("the paper crumples on a first mesh of {} triangles",
+                           first.base_triangles)
+             : fmt::format("the paper bends more tightly than a first mesh of {} triangles shows",
+                           first.base_triangles);
 }
 
 /// Says when people have waited long enough for a sign of life.
@@ -77,6 +91,7 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::file
       state_(std::move(state)),
       decision_(state_ / "attempt"),
       seen_(describe_attempt(0)),
+      bends_(plan.shots.size()),
       watches_(settings.attempts > 1 && is_hybrid(settings)) {
   if (watches_ && settings.resume == Resume::automatic) watches_ = !load_choice();
 }
@@ -84,6 +99,7 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::file
 void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
+  watch_bends(frame);
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
   moved_ |= have_moved(first_.shots[frame.sheet_index].handles, row);
@@ -98,8 +114,25 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
 }
 
 bool Attempts::is_doubtful() const {
-  return watches_ && (failing_ || (seen_.crumpled && may_be_finer() &&
+  return watches_ && (failing_ || ((seen_.crumpled || is_coarse()) && may_be_finer() &&
                                    last_seen_frame() == first_.animation.last_frame));
+}
+
+bool Attempts::is_coarse() const {
+  return std::any_of(bends_.begin(), bends_.end(), [](const Bends& bends) {
+    return !bends.may_be_sharp && bends.sagitta > most_sagitta;
+  });
+}
+
+void Attempts::watch_bends(const AnimatedFrame& frame) {
+  const Sheet& sheet = *frame.sheet;
+  Bends& bends = bends_[frame.sheet_index];
+  if (bends.may_be_sharp || (!frame.statistics.converged && seen_.frames > 0)) return;
+  bends.sagitta = std::max(
+      bends.sagitta, rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern));
+  bends.may_be_sharp =
+      !sheet.singular.empty() || !sheet.prescribed_creases.empty() ||
+      (frame.frame == first_.animation.first_frame && bends.sagitta > most_sagitta);
 }
 
 /// Whether the first mesh may be finer than the settings say: no number of triangles was asked for.
@@ -124,7 +157,7 @@ BakePlan Attempts::plan_of(std::size_t number) const {
   BakeSettings settings = settings_;
   settings.base_triangles = attempt.base_triangles;
   const auto with_attempt = [&](std::string& hash) {
-    hash = hex(content_hash(fmt::format("{} attempt {}", hash, number)));
+    hash = hex(content_hash(fmt::format("{} attempt {}, {}", hash, number, name_of(reason_))));
   };
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
     plan.seeds[s] += attempt.seed_offset;
@@ -145,7 +178,7 @@ std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& s
                                                                   StageClock& clock) const {
   std::vector<std::unique_ptr<Candidate>> all;
   const std::size_t count =
-      reason_ == AttemptReason::crumpled ? 2 : static_cast<std::size_t>(settings_.attempts);
+      reason_ == AttemptReason::handle_off ? static_cast<std::size_t>(settings_.attempts) : 2;
   for (std::size_t k = 0; k < count; ++k) {
     BakePlan plan = plan_of(k);
     plan.polish = {};
@@ -161,14 +194,16 @@ std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& s
 
 /// Half a sentence.
 std::string Attempts::why_tried(const Attempt& before) const {
-  if (reason_ == AttemptReason::crumpled)
-    return fmt::format("the paper crumples on a first mesh of {} triangles", before.base_triangles);
+  if (reason_ != AttemptReason::handle_off) return what_is_coarse(reason_, before);
   return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
                      before.frame, 1e3 * before.off);
 }
 
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
-  reason_ = failing_ ? AttemptReason::handle_off : AttemptReason::crumpled;
+  reason_ = failing_         ? AttemptReason::handle_off
+            : seen_.crumpled ? AttemptReason::crumpled
+                             : AttemptReason::coarse;
+  seen_.coarse = reason_ == AttemptReason::coarse;
   auto all = make_candidates(stop, clock);
   FrequentMessage frequent;
   const auto best = [&] {
@@ -229,7 +264,7 @@ void Attempts::keep_choice(const AttemptChoice& choice) const {
   for (const Attempt& t : choice.tried)
     tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.crumpled});
   write_atomically(decision_, json_line({{"key", key()},
-                                         {"crumpled", choice.reason == AttemptReason::crumpled},
+                                         {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
                                          {"hopeless", choice.hopeless},
                                          {"tried", tried}}));
@@ -240,7 +275,9 @@ bool Attempts::load_choice() {
   try {
     const Json kept = parse_json(read_file(decision_).value_or(""));
     if (kept.at("key") != key()) return false;
-    choice.reason = kept.at("crumpled") ? AttemptReason::crumpled : AttemptReason::handle_off;
+    for (const AttemptReason reason :
+         {AttemptReason::handle_off, AttemptReason::crumpled, AttemptReason::coarse})
+      if (kept.at("reason") == name_of(reason)) choice.reason = reason;
     choice.baked = kept.at("baked");
     choice.hopeless = kept.at("hopeless");
     reason_ = choice.reason;
@@ -261,17 +298,29 @@ bool Attempts::load_choice() {
   return true;
 }
 
+const char* name_of(AttemptReason reason) {
+  switch (reason) {
+    case AttemptReason::handle_off:
+      return "handle off";
+    case AttemptReason::crumpled:
+      return "crumpled";
+    case AttemptReason::coarse:
+      return "coarse";
+  }
+  return "";
+}
+
 std::string describe(const AttemptChoice& choice) {
   const Attempt &first = choice.tried.front(), &baked = choice.tried.at(choice.baked);
-  if (choice.reason == AttemptReason::crumpled) {
-    const std::string on_first = fmt::format(
-        "attempts: the paper crumples on a first mesh of {} triangles", first.base_triangles);
-    const int finer = choice.tried.back().base_triangles;
-    if (choice.baked > 0)
-      return on_first + fmt::format(", but not on one of {}, which is baked", finer);
-    return on_first + (choice.tried.back().crumpled
-                           ? fmt::format(" and on one of {}; the first attempt is baked", finer)
-                           : fmt::format("; it is baked, because one of {} is not better", finer));
+  if (choice.reason != AttemptReason::handle_off) {
+    const Attempt& finer = choice.tried.back();
+    return fmt::format(
+        "attempts: {}; {}", what_is_coarse(choice.reason, first),
+        choice.baked > 0 ? fmt::format("one of {} is baked", finer.base_triangles)
+        : finer.crumpled
+            ? fmt::format("it is baked, because the paper crumples on one of {}{}",
+                          finer.base_triangles, first.crumpled ? ", too" : "")
+            : fmt::format("it is baked, because one of {} is not better", finer.base_triangles));
   }
   std::string text =
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",

@@ -20,10 +20,11 @@ namespace paperbake {
 /// matter of luck, and the first one is baked. Nor is it where no handle has moved: one that gives
 /// way then does so to a collider, however the paper buckles.
 ///
-/// A sheet may also crumple only because its mesh is too coarse to bend as tightly as it has to.
-/// Where all handles hold and a sheet crumples, the shot is simulated once more on a first mesh of
-/// four times as many triangles, with the seed of the bake, until a sheet crumples there, too. If
-/// none does and the handles hold, this attempt is baked.
+/// A mesh may also be too coarse for the bends of a shot: a sheet crumples only because of that, or
+/// it stays smooth and its triangles are farther from smooth paper than 0.5 % of its longer side.
+/// Where all handles hold and one of both is so, the shot is simulated once more on a first mesh of
+/// four times as many triangles, with the seed of the bake, until a sheet crumples there. If none
+/// does and the handles hold, this attempt is baked.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -42,8 +43,8 @@ class Attempts {
   void watch(const AnimatedFrame&);
   /// Whether what was recorded shows that handles do not hold: it need not be recorded to its end.
   bool is_failing() const { return failing_; }
-  /// Whether others have to be tried: it fails, or all of it is recorded and a sheet crumples that
-  /// might not on a finer mesh.
+  /// Whether others have to be tried: it fails, or all of it is recorded and its mesh may have been
+  /// too coarse.
   bool is_doubtful() const;
   /// The last frame that was looked at.
   int last_seen_frame() const { return first_.animation.first_frame + seen_.frames - 1; }
@@ -61,9 +62,17 @@ class Attempts {
   bool choose(Progress&, StopRequest&, StageClock&);
 
  private:
+  /// How coarse a mesh is for the bends of a sheet.
+  struct Bends {
+    double sagitta = 0;  // [1] the largest rms_sagitta of a frame, of the longer side
+    // it was modelled bent, is creased or has singular points: it may be as sharp as it likes
+    bool may_be_sharp = false;
+  };
   BakePlan plan_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
   bool may_be_finer() const;
+  bool is_coarse() const;
+  void watch_bends(const AnimatedFrame&);
   void adopt(AttemptChoice);
   std::string key() const;
   bool load_choice();
@@ -77,7 +86,8 @@ class Attempts {
   const BakePlan& first_;
   BakePlan plan_;
   std::filesystem::path state_, decision_;
-  Attempt seen_;  // of the first attempt
+  Attempt seen_;              // of the first attempt
+  std::vector<Bends> bends_;  // of its sheets
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
   Recorded recorded_ = Recorded::nothing;

@@ -74,8 +74,9 @@ bool Candidate::is_hopeless(const State& state) const {
 }
 
 double Candidate::badness(const State& state) const {
-  const bool is_no_better = reason_ == AttemptReason::crumpled &&
-                            (state.attempt.crumpled || state.attempt.off > tolerance_of_attempts());
+  const bool is_no_better =
+      reason_ != AttemptReason::handle_off && (state.attempt.crumpled || state.attempt.coarse ||
+                                               state.attempt.off > tolerance_of_attempts());
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
                                       : std::max(state.attempt.off, tolerance_of_attempts());
 }

@@ -39,8 +39,9 @@ class Candidate {
   bool has_begun() const { return begun_; }
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
-  /// What attempts are compared by: all that are within the tolerance are alike. Where a sheet that
-  /// crumples is the reason, those are infinitely bad that crumple or are not within the tolerance.
+  /// What attempts are compared by: all that are within the tolerance are alike. Where handles are
+  /// not the reason, those are infinitely bad that crumple, are too coarse or are not within the
+  /// tolerance.
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;

@@ -8,7 +8,10 @@ namespace paperbake {
 /// Why other attempts at a shot than the first are simulated (baker/bake/attempts.h).
 /// handle_off  a handle of the first one is off by more than the gate of handles allows
 /// crumpled    its sheet crumples, and might not on a finer mesh
-enum class AttemptReason { handle_off, crumpled };
+/// coarse      its smooth sheet bends more tightly than its triangles can show
+enum class AttemptReason { handle_off, crumpled, coarse };
+/// The word for it in files.
+const char* name_of(AttemptReason);
 
 /// One way to simulate a shot that was tried (baker/bake/attempts.h).
 struct Attempt {
@@ -19,6 +22,7 @@ struct Attempt {
   double off_pct = 0;     // [% of the longer side of its sheet]
   int frame = 0;          // in which it is
   int frames = 0;         // that were simulated
+  bool coarse = false;    // whether it is doubted because of its coarse triangles
   bool crumpled = false;  // whether a sheet is (core/model/sheet.h)
 };
 

@@ -240,8 +240,7 @@ Json attempts_json(const BakePlan& plan) {
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},
                      {"frame_of_off", t.frame}});
-  const bool crumpled = plan.attempt->reason == AttemptReason::crumpled;
-  return {{"reason", crumpled ? "crumpled" : "handle off"},
+  return {{"reason", name_of(plan.attempt->reason)},
           {"baked", plan.attempt->baked + 1},
           {"tried", tried}};
 }

@@ -8,6 +8,12 @@ namespace paperbake {
 /// [rad2]
 double mean_square_fold(const Sheet&);
 
+/// How far flat triangles are from smooth paper that is bent as they are: an arc that turns by the
+/// angle of a fold over the width of the triangles beside it is at most an eighth of the product of
+/// both away from its chord (its sagitta). Root of the mean square, weighted by the bending energy
+/// that each fold stores. [m]
+double rms_sagitta(const Sheet&);
+
 // [rad2] Folds of 3 degrees: the sheet is bent, and not merely rumpled.
 constexpr double fold_that_shows = 0.003;
 // [rad2] Folds of 10 degrees: eighteen of them make a half turn. On a coarser mesh bends that

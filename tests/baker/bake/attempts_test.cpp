@@ -128,17 +128,25 @@ TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
 TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   AttemptChoice choice;
   choice.reason = AttemptReason::crumpled;
-  choice.tried = {{0, 120, 0, 0, 1, 72, true}, {0, 480, 0, 0, 1, 72, false}};
+  Attempt first, finer;
+  first.base_triangles = 120;
+  first.crumpled = true;
+  finer.base_triangles = 480;
+  choice.tried = {first, finer};
   choice.baked = 1;
   EXPECT_EQ(describe(choice),
-            "attempts: the paper crumples on a first mesh of 120 triangles, but not on one of 480, "
-            "which is baked");
+            "attempts: the paper crumples on a first mesh of 120 triangles; one of 480 is baked");
   choice.baked = 0;
   EXPECT_NE(describe(choice).find("it is baked, because one of 480 is not better"),
             std::string::npos);
   choice.tried[1].crumpled = true;
-  EXPECT_NE(describe(choice).find("and on one of 480; the first attempt is baked"),
+  EXPECT_NE(describe(choice).find("it is baked, because the paper crumples on one of 480, too"),
             std::string::npos);
+  choice.reason = AttemptReason::coarse;
+  choice.tried[0].crumpled = false;
+  EXPECT_EQ(describe(choice),
+            "attempts: the paper bends more tightly than a first mesh of 120 triangles shows; it "
+            "is baked, because the paper crumples on one of 480");
 }
 
 /// A crumple, from frame 24 on. With seed 0 a handle is off by 1.3 mm in frame 38, with seed 3 by
@@ -214,10 +222,31 @@ TEST_F(AttemptsTest, PaperThatCrumplesOnlyOnACoarseMeshIsBakedOnAFinerOne) {
   EXPECT_EQ(attempts.at("baked"), 2);
   EXPECT_TRUE(attempts.at("tried").at(0).at("crumpled"));
   EXPECT_FALSE(attempts.at("tried").at(1).at("crumpled"));
+  EXPECT_EQ(attempts.at("reason"), "crumpled");
   // who asks for a number of triangles gets it
   run(roll("coarse", {"--base-triangles", "120"}));
   EXPECT_TRUE(summary("coarse").at("attempts").is_null());
   EXPECT_FALSE(shapes("out") == shapes("coarse"));
+}
+
+TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFinerOne) {
+  const auto stacks = [&](const std::string& out, const Words& more) {
+    Words all{"bake",       test::samples + "/S7_stacks.glb",
+              "-o",         (folder / out).string(),
+              "--formats",  "abc,cert",
+              "--quality",  "draft",
+              "--progress", "plain"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const Ended ended = run(stacks("out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json attempts = summary("out").at("attempts");
+  EXPECT_EQ(attempts.at("reason"), "coarse");
+  EXPECT_EQ(attempts.at("baked"), 2);
+  run(stacks("direct", {"--base-triangles", "480", "--attempts", "1"}));
+  EXPECT_TRUE(shapes("out") == shapes("direct"));
+  EXPECT_FALSE(fs::exists(folder / "out/.state/attempts"));
 }
 
 TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
