@@ -28,14 +28,21 @@ void ReleaseTrial::begin(SimulatedSheet& simulated, LetGo let_go) {
 /// unstable shape that takes several steps, which leave no trace.
 Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snapshot& start,
                           const FrameStepResult& step, const StepInput& at) const {
-  constexpr int max_steps = 8;
+  constexpr int max_steps = 32;  // small stiff sheets snap several times on their way
   Sheet& sheet = simulated.sheet;
   const SimulatedSheet::Snapshot now = simulated.snapshot();
   ElasticReport last = step.last;
-  bool arrived = step.converged && !last.snap_in_progress;
+  // a step that has converged may still end far from equilibrium, because a share of the mass holds
+  // the sheet back (SheetPotential)
+  const auto has_arrived = [&](bool converged, const Points3& before) {
+    return converged && !last.snap_in_progress &&
+           max_row_norm(sheet.x - before) <= still(simulated.side);
+  };
+  bool arrived = has_arrived(step.converged, start.sheet.x);
   for (int k = 0; k < max_steps && !arrived; ++k) try {
+      const Points3 before = sheet.x;
       last = simulated.elastic.step(sheet, at, 1 / fps_);
-      arrived = last.converged && !last.snap_in_progress;
+      arrived = has_arrived(last.converged, before);
     } catch (const EnergyNotFinite&) {
       break;
     }
