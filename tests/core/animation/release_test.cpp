@@ -132,8 +132,8 @@ TEST(ReleaseTest, ABentStripTakesSeveralFrames) {
 }
 
 TEST(ReleaseTest, AStripSpringsOnAnyMesh) {
-  // Curled over at one end. The finer the mesh, the shorter is the first step of the trial, although
-  // it converges.
+  // Curled over at one end. The finer the mesh, the shorter is the first step of the trial,
+  // although it converges.
   constexpr int frames = 26;
   const Vector3d x(1, 0, 0), y(0, 1, 0), origin = Vector3d::Zero();
   Shot shot = test::placed(0.2, 0.04, origin, x, y);
