@@ -33,7 +33,7 @@ int refinement(std::size_t attempt, AttemptReason reason) {
 }
 
 /// Half a sentence on why the first attempt is doubted although its handles hold.
-std::string what_is_coarse(AttemptReason reason, const Attempt& first) {
+std::string why_doubted(AttemptReason reason, const Attempt& first) {
   return reason == AttemptReason::crumpled
              ? fmt::format("the paper crumples on a first mesh of {} triangles",
                            first.base_triangles)
@@ -99,7 +99,7 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::file
 void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
-  watch_bends(frame);
+  if (may_be_finer(settings_)) watch_bends(frame);
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
   moved_ |= have_moved(first_.shots[frame.sheet_index].handles, row);
@@ -114,8 +114,10 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
 }
 
 bool Attempts::is_doubtful() const {
-  return watches_ && (failing_ || ((seen_.crumpled || is_coarse()) && may_be_finer() &&
-                                   last_seen_frame() == first_.animation.last_frame));
+  if (!watches_ || failing_) return watches_;
+  return (seen_.crumpled || is_coarse()) && seen_.off <= tolerance_of_attempts() &&
+         may_be_finer(settings_) && !is_rehearsed_finer_ &&
+         last_seen_frame() == first_.animation.last_frame;
 }
 
 bool Attempts::is_coarse() const {
@@ -127,18 +129,18 @@ bool Attempts::is_coarse() const {
 void Attempts::watch_bends(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   Bends& bends = bends_[frame.sheet_index];
-  if (bends.may_be_sharp || (!frame.statistics.converged && seen_.frames > 0)) return;
+  const bool is_first = frame.frame == first_.animation.first_frame;
+  if (is_first) is_rehearsed_finer_ |= sheet.triangles.rows() > 2.5 * seen_.base_triangles;
+  if (bends.may_be_sharp || (!frame.statistics.converged && !is_first)) return;
   bends.sagitta = std::max(
       bends.sagitta, rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern));
-  bends.may_be_sharp =
-      !sheet.singular.empty() || !sheet.prescribed_creases.empty() ||
-      (frame.frame == first_.animation.first_frame && bends.sagitta > most_sagitta);
+  bends.may_be_sharp = !sheet.singular.empty() || !sheet.prescribed_creases.empty() ||
+                       (is_first && bends.sagitta > most_sagitta);
 }
 
-/// Whether the first mesh may be finer than the settings say: no number of triangles was asked for.
-bool Attempts::may_be_finer() const {
-  return !settings_.triangles && !settings_.accuracy && !settings_.budget &&
-         settings_.given.count("base_triangles") == 0;
+bool may_be_finer(const BakeSettings& settings) {
+  return !settings.triangles && !settings.accuracy && !settings.budget &&
+         settings.given.count("base_triangles") == 0;
 }
 
 Attempt Attempts::describe_attempt(std::size_t number) const {
@@ -146,7 +148,7 @@ Attempt Attempts::describe_attempt(std::size_t number) const {
   attempt.base_triangles = settings_.base_triangles;
   if (reason_ == AttemptReason::handle_off)
     attempt.seed_offset = seed_step * static_cast<unsigned>(number);
-  if (may_be_finer()) attempt.base_triangles *= refinement(number, reason_);
+  if (may_be_finer(settings_)) attempt.base_triangles *= refinement(number, reason_);
   return attempt;
 }
 
@@ -157,7 +159,8 @@ BakePlan Attempts::plan_of(std::size_t number) const {
   BakeSettings settings = settings_;
   settings.base_triangles = attempt.base_triangles;
   const auto with_attempt = [&](std::string& hash) {
-    hash = hex(content_hash(fmt::format("{} attempt {}, {}", hash, number, name_of(reason_))));
+    hash = hex(content_hash(fmt::format("{} attempt {}, {}, {}", hash, number, name_of(reason_),
+                                        attempt.base_triangles)));
   };
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
     plan.seeds[s] += attempt.seed_offset;
@@ -194,7 +197,7 @@ std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& s
 
 /// Half a sentence.
 std::string Attempts::why_tried(const Attempt& before) const {
-  if (reason_ != AttemptReason::handle_off) return what_is_coarse(reason_, before);
+  if (reason_ != AttemptReason::handle_off) return why_doubted(reason_, before);
   return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
                      before.frame, 1e3 * before.off);
 }
@@ -255,8 +258,8 @@ void Attempts::adopt(AttemptChoice choice) {
 
 /// What a decision depends on.
 std::string Attempts::key() const {
-  return fmt::format("{} {} {}", program_key(), scene_input_hash(first_),
-                     first_.animation.last_frame);
+  return fmt::format("{} {} {} {}", program_key(), scene_input_hash(first_),
+                     first_.animation.last_frame, may_be_finer(settings_) ? "finer" : "as given");
 }
 
 void Attempts::keep_choice(const AttemptChoice& choice) const {
@@ -314,8 +317,11 @@ std::string describe(const AttemptChoice& choice) {
   const Attempt &first = choice.tried.front(), &baked = choice.tried.at(choice.baked);
   if (choice.reason != AttemptReason::handle_off) {
     const Attempt& finer = choice.tried.back();
+    if (choice.tried.size() == 1)
+      return fmt::format("attempts: {}; it is baked, because none comes of a finer one",
+                         why_doubted(choice.reason, first));
     return fmt::format(
-        "attempts: {}; {}", what_is_coarse(choice.reason, first),
+        "attempts: {}; {}", why_doubted(choice.reason, first),
         choice.baked > 0 ? fmt::format("one of {} is baked", finer.base_triangles)
         : finer.crumpled
             ? fmt::format("it is baked, because the paper crumples on one of {}{}",

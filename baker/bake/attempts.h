@@ -70,7 +70,6 @@ class Attempts {
   };
   BakePlan plan_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
-  bool may_be_finer() const;
   bool is_coarse() const;
   void watch_bends(const AnimatedFrame&);
   void adopt(AttemptChoice);
@@ -90,9 +89,14 @@ class Attempts {
   std::vector<Bends> bends_;  // of its sheets
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
+  // whether a rehearsal has put a sheet on a finer first mesh: it knows those beyond it, too
+  bool is_rehearsed_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
   bool moved_ = false;  // whether a handle has (have_moved)
 };
+
+/// Whether the first mesh may have more triangles than the settings say: no number was asked for.
+bool may_be_finer(const BakeSettings&);
 
 /// Whether any handle is keyed farther from where it was in the first frame than the gate of
 /// handles allows it to be off.

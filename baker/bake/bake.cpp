@@ -167,7 +167,11 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   record();
   if (attempts.is_doubtful() && !failure) {
     if (!attempts.choose(progress, stop, clock)) {
-      failure = stopped(settings, plan, attempts.last_seen_frame());
+      failure = Error(
+          ErrorCode::stopped,
+          fmt::format("frame {} of {}", attempts.last_seen_frame(), plan.animation.last_frame),
+          "The bake was stopped while it tried another attempt.",
+          "The same command continues from there.");
     } else if (attempts.recorded() != Attempts::Recorded::everything) {
       if (attempts.recorded() == Attempts::Recorded::nothing) {
         recorded.reset();  // its files are written anew

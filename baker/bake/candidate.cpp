@@ -38,7 +38,8 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   const auto held =
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
-  if (is_pulled(frame.statistics, static_cast<int>(held))) return;
+  const auto points = static_cast<int>(frame.sheet->singular.size());
+  if (is_pulled(frame.statistics, points, static_cast<int>(held))) return;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);

@@ -1,5 +1,6 @@
 #include "baker/bake/completed_bake.h"
 
+#include "baker/bake/attempts.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/stale_files.h"
 #include "formats/files/atomic_file.h"
@@ -26,6 +27,7 @@ std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
   std::string text =
       fmt::format("{}\n{}\n{}\n{}\n{}\nmaps {}\n", program_key(), plan.job_hash, plan.name,
                   plan.root, fmt::join(settings.formats, ","), spans_text(plan.map_frames));
+  if (may_be_finer(settings)) text += "the first mesh may be finer\n";
   if (settings.twin) text += "twin\n";
   if (plan.guides) text += "guides\n";
   if (plan.usd_layers) text += "USD layers\n";

@@ -75,7 +75,7 @@ struct BakeSettings {
   bool twin = false;              // simulate a twin, to see where the scene branches
   Dynamics dynamics = Dynamics::automatic;
   int probe_every = 0;  // [frames] 0: never
-  int attempts = 4;     // that are tried at most when handles are off (baker/bake/attempts.h)
+  int attempts = 4;     // that are tried at most (baker/bake/attempts.h)
   std::optional<FrameSpan> frames;
   // one for the whole shot, or as it is simulated
   CacheMesh mesh = CacheMesh::render;

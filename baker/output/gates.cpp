@@ -199,7 +199,8 @@ struct Hindrance {
 Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
   const std::string touches = what_touches(f, plan);
   if (is_out_of_reach(f, plan)) return {"keyed beyond the reach of the paper", ""};
-  if (!has_start_fault(plan, f.sheet) && is_pulled(f.statistics, held_handles(f, plan)))
+  if (!has_start_fault(plan, f.sheet) &&
+      is_pulled(f.statistics, f.statistics.singular, held_handles(f, plan)))
     return {fmt::format("behind{}: its weight, its speed or the air may be too strong for the "
                         "hand, which gives way rather than tear the paper",
                         touches.empty() ? ", though nothing touches the sheet" : ""),
@@ -221,9 +222,9 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
 
 }  // namespace
 
-bool is_pulled(const FrameStatistics& now, int held) {
+bool is_pulled(const FrameStatistics& now, int singular, int held) {
   if (!now.inertia || now.on_colliders > 0 || now.touching_others > 0) return false;
-  return held == 1 || (now.touching == 0 && now.singular == 0);
+  return held == 1 || (now.touching == 0 && singular == 0);
 }
 
 std::string describe_unsolved(const std::vector<FrameRecord>& frames) {

@@ -37,8 +37,9 @@ std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord
 /// Whether only its weight, its speed or the air can have pulled a sheet off a handle in a
 /// frame: a sheet with inertia that touches nothing and has no singular points. One that a single
 /// handle holds may have them and touch itself: nothing pulls the other way.
-/// held  how many handles hold it
-bool is_pulled(const FrameStatistics&, int held);
+/// singular  how many singular points it has
+/// held      how many handles hold it
+bool is_pulled(const FrameStatistics&, int singular, int held);
 
 /// A sentence about the frames in which the solver gave up; empty: there are none. That of the gate
 /// of handles contains it.

@@ -55,14 +55,21 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
   return swing;
 }
 
-bool ReleaseTrial::drops(SimulatedSheet& simulated, const SimulatedSheet::Snapshot& start,
-                         const FrameStepResult& step, double fastest_drive) const {
-  const double dt = 1 / fps_;
-  const double fastest = fastest_drive + max_row_norm(start.sheet.v) + std::abs(gravity_) * dt;
-  if (max_row_norm(simulated.sheet.x - start.sheet.x) <= fastest * dt) return false;
+std::optional<double> ReleaseTrial::potential_before_drop(SimulatedSheet& simulated,
+                                                          const SimulatedSheet::Snapshot& start,
+                                                          const FrameStepResult& step,
+                                                          const FastestDrive& drive) const {
+  const double dt = 1 / fps_, moved = max_row_norm(simulated.sheet.x - start.sheet.x);
+  const double fallen = (max_row_norm(start.sheet.v) + std::abs(gravity_) * dt) * dt;
+  if (moved <= fallen || moved <= fallen + drive(0) * dt) return std::nullopt;
+  const SolverState now = simulated.elastic.state();
+  simulated.elastic.restore(start.state);  // the paper may have yielded since then
   const ElasticReport before = simulated.elastic.evaluate_energies(start.sheet);
-  const double by_paper = before.energy - step.last.energy;
-  return before.potential - step.last.potential - by_paper > std::max(by_paper, 0.0);
+  simulated.elastic.restore(now);
+  const double by_paper = before.energy - step.last.energy,
+               by_weight = before.potential - step.last.potential - by_paper;
+  if (by_weight <= std::max(by_paper, 0.0)) return std::nullopt;
+  return before.potential;
 }
 
 std::string ReleaseTrial::note_of(const Swing& swing) const {
@@ -77,11 +84,13 @@ std::string ReleaseTrial::note_of(const Swing& swing) const {
 
 ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
                                         const FrameStepResult& step, const StepInput& at,
-                                        FastestDrive drive) {
+                                        const FastestDrive& drive) {
   if (!is_on_) return {};
   if (!was_let_go() && let_go_ == LetGo::by_balance) {
-    if (!step.failure_reason.empty() || !drops(simulated, start, step, drive.this_frame)) return {};
-    potential_at_start_ = simulated.elastic.evaluate_energies(start.sheet).potential;
+    if (!step.failure_reason.empty() || step.followed < 1) return {};
+    const std::optional<double> before = potential_before_drop(simulated, start, step, drive);
+    if (!before) return {};
+    potential_at_start_ = *before;
   }
   is_on_ = false;
   Verdict verdict;
@@ -101,7 +110,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     // last step was.
     Points3& v = start.sheet.v;
     const double fastest = max_row_norm(v);
-    if (fastest > drive.frame_before) v *= drive.frame_before / fastest;
+    if (const double hand = drive(1); fastest > hand) v *= hand / fastest;
     verdict.note = note_of(swing);
   }
   quiet_ = 0;

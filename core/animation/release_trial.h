@@ -5,6 +5,8 @@
 #include "core/animation/swing.h"
 #include "core/model/serializer.h"
 
+#include <functional>
+#include <optional>
 #include <string>
 
 namespace paperbake {
@@ -30,10 +32,8 @@ class ReleaseTrial {
   void skip() { is_on_ = false; }
   bool is_on() const { return is_on_; }
 
-  /// [m/s] of the fastest handle or collider
-  struct FastestDrive {
-    double frame_before, this_frame;
-  };
+  /// [m/s] of the fastest handle or collider, so many frames ago
+  using FastestDrive = std::function<double(int)>;
   struct Verdict {
     bool needs_inertia = false;  // the sheet has it now; the step is to be taken again from `start`
     std::string note;            // for the artist; may be empty
@@ -43,7 +43,7 @@ class ReleaseTrial {
   ///                there than the fastest drive of the frame before.
   /// at             the input of this frame, with the colliders standing still
   Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
-              const StepInput& at, FastestDrive);
+              const StepInput& at, const FastestDrive&);
 
   /// Gives the sheet the inertia that it has because it was let go.
   void give_inertia(SimulatedSheet&) const;
@@ -58,10 +58,11 @@ class ReleaseTrial {
  private:
   Swing swing(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
               const StepInput& at) const;
-  /// Whether the step on trial moves the sheet farther than it can fall in a frame, and its weight
-  /// frees more energy in that than the paper does.
-  bool drops(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
-             double fastest_drive) const;
+  /// The potential [J] at the start of the step on trial, if it moves the sheet farther than it can
+  /// fall in a frame, and its weight frees more energy in that than the paper does.
+  std::optional<double> potential_before_drop(SimulatedSheet&,
+                                              const SimulatedSheet::Snapshot& start,
+                                              const FrameStepResult&, const FastestDrive&) const;
   std::string note_of(const Swing&) const;
 
   double fps_, gravity_;

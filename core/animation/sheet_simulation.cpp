@@ -300,7 +300,7 @@ bool SheetSimulation::end_trial() {
   if (!release_.is_on()) return false;
   const ReleaseTrial::Verdict verdict =
       release_.end(simulated_, *now_.step_start, now_.step, resting_input_,
-                   {fastest_drive(frame_ - 1), fastest_drive(frame_)});
+                   [this](int frames_ago) { return fastest_drive(frame_ - frames_ago); });
   add_note(verdict.note);
   return verdict.needs_inertia;
 }

@@ -106,7 +106,9 @@ void SheetSimulation::roll_back() {
 void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_admissible) {
   joined_ = false;
   if (now_.is_idle) return skip_step();
-  if (trace == RecordTrajectory::yes && may_step_in_parts()) keep_frame_start();
+  // what a trial decides has to be undone, too
+  if (trace == RecordTrajectory::yes && (may_step_in_parts() || release_.is_on()))
+    keep_frame_start();
   const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
   const bool refines = may_refine();
   for (;;) {

@@ -229,15 +229,15 @@ TEST(Gates, ASheetThatASingleHandleHoldsCannotBeJammedByItself) {
   FrameStatistics now;
   now.inertia = true;
   now.touching = 9;
-  now.singular = 2;
-  EXPECT_TRUE(is_pulled(now, 1));
-  EXPECT_FALSE(is_pulled(now, 2)) << "two hands may crush it between them";
+  EXPECT_TRUE(is_pulled(now, 2, 1));
+  EXPECT_FALSE(is_pulled(now, 2, 2)) << "two hands may crush it between them";
   now.on_colliders = 1;
-  EXPECT_FALSE(is_pulled(now, 1)) << "a collider may hold it";
-  now.on_colliders = now.touching = now.singular = 0;
-  EXPECT_TRUE(is_pulled(now, 2));
+  EXPECT_FALSE(is_pulled(now, 2, 1)) << "a collider may hold it";
+  now.on_colliders = now.touching = 0;
+  EXPECT_FALSE(is_pulled(now, 2, 2));
+  EXPECT_TRUE(is_pulled(now, 0, 2));
   now.inertia = false;
-  EXPECT_FALSE(is_pulled(now, 1));
+  EXPECT_FALSE(is_pulled(now, 0, 1));
 }
 
 }  // namespace
