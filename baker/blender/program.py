@@ -230,7 +230,9 @@ def outcome(code, process, summary, fresh):
     if code == 0:
         worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)
         first = f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %."
-        return spoken("WARNING" if shown else "INFO", [first, *shown], under_way, fresh)
+        # which attempt was baked is no fault of a bake that is good
+        faults = [message for message in shown if not message.startswith("attempts: ")]
+        return spoken("WARNING" if faults else "INFO", [first, *shown], under_way, fresh)
     if code < 0:
         return Outcome("ERROR", ended_by(code), False)
     return spoken("ERROR", [one_line(process.error) or f"paperbake ended with code {code} and said nothing."], [], fresh)

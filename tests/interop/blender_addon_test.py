@@ -533,9 +533,13 @@ def test_draft_messages_and_deletion(judgement):
 
 def said_of(code, messages, gates, error=""):
     """(the panel's sentence, the text block's lines) of a bake that ends so."""
-    process = types.SimpleNamespace(messages=messages, gates=gates, error=error, cancelled=False, last=None)
-    outcome = part("program").outcome(code, process, {}, True)
+    outcome = outcome_of(code, messages, gates, error)
     return outcome.sentence, list(outcome.told)
+
+
+def outcome_of(code, messages, gates, error=""):
+    process = types.SimpleNamespace(messages=messages, gates=gates, error=error, cancelled=False, last=None)
+    return part("program").outcome(code, process, {}, True)
 
 
 def test_order_and_words_of_messages(judgement):
@@ -549,6 +553,8 @@ def test_order_and_words_of_messages(judgement):
     judgement.check(sentence == " ".join(lines[:-1]), f"the panel says {sentence!r}")
     sentence, lines = said_of(0, warnings[:1], [])
     judgement.check(sentence.startswith("Baked") and "attempt" not in sentence and lines[1:] == warnings[:1], f"of attempts under way the panel says {sentence!r}")
+    level = [outcome_of(0, said, []).level for said in (warnings[1:2], warnings[2:3])]
+    judgement.check(level == ["INFO", "WARNING"], f"a good bake of another attempt, and one with a warning, end as {level}")
     sentence, _ = said_of(2, [], [], "paperbake: a.glb\n  Too large.\n  The file is probably in mm: bake with --unit-scale 0.001, or --fps 30.\n")
     judgement.check(sentence == "a.glb: Too large. The file is probably in mm: bake with Scene > Units > Unit Scale 0.001, or Output > Frame Rate 30.", f"an error says {sentence!r}")
     judgement.count("orders", 3)
