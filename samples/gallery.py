@@ -1,4 +1,4 @@
-"""Writes the scenes G1 to G10, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G11, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -246,9 +246,23 @@ def arch():
     return 48
 
 
+def upright():
+    """A page that a hand holds upright near a lower corner, and turns. It loses its balance and falls over."""
+    width, height, turn = 0.21, 0.297, math.radians(30)
+    sheet("page", "copy80", (0, 0, 0), (width, 0, 0), (0, 0, height))
+    for i, (x, z) in enumerate(((0.01, 0.01), (0.05, 0.01), (0.01, 0.05), (0.05, 0.05))):
+
+        def path(frame, x=x - 0.03, z=z):
+            angle = turn * eased(max(frame - 9, 1), 27)
+            return 0.03 + x * math.cos(angle), x * math.sin(angle), z
+
+        carry(f"hand.{i}", path, 60, "page")
+    return 60
+
+
 SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
           "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats,
-          "G8_strip": strip, "G9_plane": plane, "G10_arch": arch}
+          "G8_strip": strip, "G9_plane": plane, "G10_arch": arch, "G11_upright": upright}
 
 
 def main(names):
