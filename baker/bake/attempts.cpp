@@ -114,10 +114,10 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
 }
 
 bool Attempts::is_doubtful() const {
-  if (!watches_ || failing_) return watches_;
-  return (seen_.crumpled || is_coarse()) && seen_.off <= tolerance_of_attempts() &&
-         may_be_finer(settings_) && !is_rehearsed_finer_ &&
-         last_seen_frame() == first_.animation.last_frame;
+  if (!watches_ || failing_) return failing_;
+  const bool is_complete = last_seen_frame() == first_.animation.last_frame;
+  return is_complete && may_be_finer(settings_) && !is_rehearsed_finer_ &&
+         seen_.off <= tolerance_of_attempts() && (seen_.crumpled || is_coarse());
 }
 
 bool Attempts::is_coarse() const {
@@ -231,7 +231,7 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
   for (const auto& candidate : all)
     if (candidate->known().frames > 0) choice.tried.push_back(candidate->known());
   all.clear();  // what is still being simulated is not needed
-  if (choice.baked == 0 && !failing_)
+  if (choice.baked == 0 && !failing_ && first_.polish.triangles == 0)
     recorded_ = Recorded::everything;
   else if (folder_of(choice.baked) == state_)
     recorded_ = Recorded::first_frames;

@@ -93,20 +93,26 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   std::optional<Error> failure;
   try {
     if (first <= plan.animation.last_frame && !attempts.is_failing())
-      simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
-        if (kept) checkpoints.add(frame);
-        attempts.watch(frame);
-        if (frame.frame > recorded_until && !queue.push(frame)) return false;
-        // polished frames come sheet by sheet
-        const bool is_last_sheet =
-            plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
-        if (!is_last_sheet) return true;
-        const bool ends = attempts.is_failing() || stop.is_made();
-        if (frame.frame == plan.animation.last_frame || !ends) return true;
-        if (resumable) checkpoints.keep(frame.frame);
-        if (!stop.is_made()) return false;
-        throw stopped(settings, plan, frame.frame);
-      });
+      simulate(
+          plan, options, settings.threads,
+          [&](const AnimatedFrame& frame) {
+            if (kept) checkpoints.add(frame);
+            if (plan.polish.triangles == 0) attempts.watch(frame);
+            if (frame.frame > recorded_until && !queue.push(frame)) return false;
+            // polished frames come sheet by sheet
+            const bool is_last_sheet =
+                plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
+            if (!is_last_sheet) return true;
+            const bool ends = attempts.is_failing() || stop.is_made();
+            if (frame.frame == plan.animation.last_frame || !ends) return true;
+            if (resumable) checkpoints.keep(frame.frame);
+            if (!stop.is_made()) return false;
+            throw stopped(settings, plan, frame.frame);
+          },
+          [&](const AnimatedFrame& frame) {
+            attempts.watch(frame);
+            return frame.sheet_index + 1 < plan.shots.size() || !attempts.is_doubtful();
+          });
   } catch (const Error& error) {
     failure = error;  // what was recorded so far is kept
   }

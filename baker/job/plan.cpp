@@ -227,7 +227,8 @@ std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan) {
 }
 
 void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, int threads,
-              const std::function<bool(const AnimatedFrame&)>& on_frame) {
+              const std::function<bool(const AnimatedFrame&)>& on_frame,
+              const std::function<bool(const AnimatedFrame&)>& before_polish) {
   std::vector<AnimatedSheet> sheets;
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({plan.shots[s], plan.methods[s], options[s]});
@@ -237,7 +238,7 @@ void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, 
     return plan.frames.contains(frame - 1) || plan.frames.contains(frame) ||
            plan.frames.contains(frame + 1);
   };
-  animate_polished(sheets, {plan.polish.triangles, threads, wanted}, on_frame);
+  animate_polished(sheets, {plan.polish.triangles, threads, wanted, before_polish}, on_frame);
 }
 
 }  // namespace paperbake

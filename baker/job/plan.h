@@ -84,8 +84,10 @@ std::vector<AnimateOptions> options_of_sheets(const BakePlan&);
 
 /// Simulates the sheets of a plan with animate_together; if polish is planned, the frames that are
 /// written and their neighbours are polished.
-/// options  of each sheet
+/// options        of each sheet
+/// before_polish  as PolishOptions::on_simulated; not called where no polish is planned
 void simulate(const BakePlan&, const std::vector<AnimateOptions>& options, int threads,
-              const std::function<bool(const AnimatedFrame&)>& on_frame);
+              const std::function<bool(const AnimatedFrame&)>& on_frame,
+              const std::function<bool(const AnimatedFrame&)>& before_polish = {});
 
 }  // namespace paperbake

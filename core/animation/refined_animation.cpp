@@ -254,14 +254,17 @@ void animate_polished(const std::vector<AnimatedSheet>& sheets, const PolishOpti
   for (const AnimatedSheet& sheet : sheets)
     polished.emplace_back(sheet.shot, sheet.options, options);
   std::optional<Error> failure;
+  bool ended = false;
   try {
     animate_together(sheets, [&](const AnimatedFrame& frame) {
       polished[frame.sheet_index].add(frame);
-      return true;
+      ended = options.on_simulated && !options.on_simulated(frame);
+      return !ended;
     });
   } catch (const Error& error) {
     failure = error;
   }
+  if (ended) return;
   for (PolishedShot& shot : polished)
     if (!shot.hand_on(on_frame)) break;
   if (failure) throw *failure;

@@ -268,6 +268,14 @@ TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFin
   run(stacks("direct", {"--base-triangles", "480", "--attempts", "1"}));
   EXPECT_TRUE(shapes("out") == shapes("direct"));
   EXPECT_FALSE(fs::exists(folder / "out/.state/attempts"));
+
+  // a polished shot is judged before that, and polished once
+  const Ended polished = run(stacks("polished", {"--polish", "300"}));
+  ASSERT_EQ(polished.code, 0) << polished.err;
+  EXPECT_EQ(summary("polished").at("attempts"), attempts);
+  EXPECT_EQ(simulated(polished), 25) << "nothing of the first attempt was handed on";
+  run(stacks("directly", {"--polish", "300", "--base-triangles", "480", "--attempts", "1"}));
+  EXPECT_TRUE(shapes("polished") == shapes("directly"));
 }
 
 TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
