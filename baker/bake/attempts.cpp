@@ -115,9 +115,21 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
 
 bool Attempts::is_doubtful() const {
   if (!watches_ || failing_) return failing_;
-  const bool is_complete = last_seen_frame() == first_.animation.last_frame;
-  return is_complete && may_be_finer(settings_) && !is_rehearsed_finer_ &&
+  return first_.ends_with_shot && is_mesh_doubted() &&
+         last_seen_frame() == first_.animation.last_frame;
+}
+
+bool Attempts::is_mesh_doubted() const {
+  return watches_ && !failing_ && may_be_finer(settings_) && !is_rehearsed_finer_ &&
          seen_.off <= tolerance_of_attempts() && (seen_.crumpled || is_coarse());
+}
+
+std::string Attempts::caution() const {
+  if (first_.ends_with_shot || !is_mesh_doubted()) return {};
+  const AttemptReason reason = seen_.crumpled ? AttemptReason::crumpled : AttemptReason::coarse;
+  return fmt::format(
+      "{}: a bake of the whole shot also tries a finer one, and may come out otherwise",
+      why_doubted(reason, seen_));
 }
 
 bool Attempts::is_coarse() const {

@@ -25,7 +25,8 @@ namespace paperbake {
 /// Where all handles hold and one of both is so, the shot is simulated once more on a first mesh of
 /// four times as many triangles, with the seed of the bake, until a sheet crumples there. If none
 /// does and the handles hold, this attempt is baked. A shot whose first mesh a rehearsal has made
-/// finer is not doubted in this way.
+/// finer is not doubted in this way. Nor is one that is baked in part: its frames would depend on
+/// which part that is, and a message says that the whole shot may come out otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -47,6 +48,9 @@ class Attempts {
   /// Whether others have to be tried: it fails, or all of it is recorded and its mesh may have been
   /// too coarse.
   bool is_doubtful() const;
+  /// What to say of the part of a shot that is recorded, if the whole shot would be tried on a
+  /// finer mesh because of it; else empty.
+  std::string caution() const;
   /// The last frame that was looked at.
   int last_seen_frame() const { return first_.animation.first_frame + seen_.frames - 1; }
 
@@ -72,6 +76,7 @@ class Attempts {
   BakePlan plan_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
   bool is_coarse() const;
+  bool is_mesh_doubted() const;
   void watch_bends(const AnimatedFrame&);
   void adopt(AttemptChoice);
   std::string key() const;

@@ -171,6 +171,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     failure = record_frames(settings, folder, *recorded, progress, stop, attempts);
   };
   record();
+  if (const std::string caution = attempts.caution(); !caution.empty() && !failure)
+    progress.message(caution);
   if (attempts.is_doubtful() && !failure) {
     if (!attempts.choose(progress, stop, clock)) {
       failure = Error(

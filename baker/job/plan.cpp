@@ -101,6 +101,7 @@ void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
                     plan.frames.first, scene.first_frame, scene.first_frame));
     while (plan.frames.first < scene.first_frame) plan.frames.first += plan.frames.step;
   }
+  plan.ends_with_shot = plan.frames.last >= last.frame;
   plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
   plan.map_frames = settings.map_frames.value_or(
       std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, 12}});

@@ -47,8 +47,9 @@ struct BakePlan {
   std::vector<std::string> file_suffixes;
   // simulated from the scene's first frame to the last one written
   AnimateOptions animation;
-  std::string why_inertia;  // or why not
-  FrameSpan frames;         // written
+  std::string why_inertia;     // or why not
+  FrameSpan frames;            // written
+  bool ends_with_shot = true;  // they end no earlier than they would without --frames
   std::vector<FrameSpan> map_frames;
   // with a debug picture, besides the last and those with a new singular point
   std::vector<FrameSpan> debug_frames;

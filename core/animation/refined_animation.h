@@ -10,8 +10,8 @@ struct PolishOptions {
   int triangles = 6000;                   // of the fine mesh, at most
   int threads = 1;                        // the frames do not depend on it
   std::function<bool(int frame)> wanted;  // which frames to polish; empty: all
-  // called for every frame as it is simulated; returns false to end the shot there, of which nothing
-  // is polished or handed on then. May be empty.
+  // called for every frame as it is simulated; returns false to end the shot there, and nothing of
+  // it is polished or handed on then. May be empty.
   std::function<bool(const AnimatedFrame&)> on_simulated = {};
 };
 

@@ -176,6 +176,16 @@ class AttemptsTest : public test::ResumeFixture {
       hashes.push_back(json::parse(line).at("content_hash"));
     return hashes;
   }
+  /// A note that crumples on any mesh, with handles that hold.
+  Words note(const std::string& out, const Words& more) const {
+    Words all{"bake",       test::samples + "/S0_note.glb",
+              "-o",         (folder / out).string(),
+              "--formats",  "abc,cert",
+              "--quality",  "draft",
+              "--progress", "plain"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
   json summary(const std::string& out) const {
     return json::parse(read(folder / out / "cert/summary.json"));
   }
@@ -189,9 +199,9 @@ TEST_F(AttemptsTest, AnAttemptThatGoesWellIsTheOnlyOne) {
 }
 
 TEST_F(AttemptsTest, PaperThatCrumplesOnAFinerMeshTooIsBakedAsItCrumpledFirst) {
-  const Ended ended = run(crumple("out", {}, "1-36"));
+  const Ended ended = run(note("out", {}));
   ASSERT_EQ(ended.code, 0) << ended.err;
-  EXPECT_EQ(simulated(ended), 36) << "the first attempt is not simulated again";
+  EXPECT_EQ(simulated(ended), 92) << "the first attempt is not simulated again";
   const json attempts = summary("out").at("attempts");
   EXPECT_EQ(attempts.at("reason"), "crumpled");
   EXPECT_EQ(attempts.at("baked"), 1);
@@ -199,26 +209,36 @@ TEST_F(AttemptsTest, PaperThatCrumplesOnAFinerMeshTooIsBakedAsItCrumpledFirst) {
   EXPECT_EQ(finer.at("seed_offset"), 0);
   EXPECT_EQ(finer.at("base_triangles"), 480);
   EXPECT_TRUE(finer.at("crumpled"));
-  EXPECT_LT(finer.at("frames"), 36) << "it ends where it crumples";
-  run(crumple("alone", {"--attempts", "1"}, "1-36"));
+  EXPECT_LT(finer.at("frames"), 92) << "it ends where it crumples";
+  run(note("alone", {"--attempts", "1"}));
   EXPECT_TRUE(summary("alone").at("attempts").is_null());
   EXPECT_TRUE(shapes("out") == shapes("alone"));
 
-  // another format needs the frames again, but no second opinion
-  const Ended again =
-      run(crumple("out", {"--debug-pictures", (folder / "debug").string()}, "1-36"));
+  // debug pictures need the frames again, but no second opinion
+  const Ended again = run(note("out", {"--debug-pictures", (folder / "debug").string()}));
   EXPECT_EQ(simulated(again), 0) << again.err;
   EXPECT_EQ(times(again.err, "is tried"), 0) << again.err;
   EXPECT_EQ(summary("out").at("attempts"), attempts);
 }
 
+TEST_F(AttemptsTest, OfAPartOfAShotNothingIsConcluded) {
+  const Ended part = run(note("part", {"--frames", "1-60"}));
+  EXPECT_EQ(times(part.err, "is tried"), 0) << part.err;
+  EXPECT_EQ(times(part.err, "a bake of the whole shot also tries a finer one"), 1) << part.err;
+  EXPECT_TRUE(summary("part").at("attempts").is_null());
+  const Ended early = run(note("early", {"--frames", "1-4"}));
+  EXPECT_EQ(times(early.err, "whole shot"), 0) << "it is hardly bent yet";
+  const Ended whole = run(note("part", {}));
+  EXPECT_EQ(times(whole.err, "is tried"), 1) << whole.err;
+}
+
 TEST_F(AttemptsTest, ABakeThatIsKilledWhileItTriesAFinerMeshComesOutAsAnother) {
-  run(crumple("whole", {}, "1-36"));
-  EXPECT_EQ(bake_until(1, 100, SIGKILL, crumple("out", {}, "1-36"), "is tried"), -1);
-  EXPECT_EQ(bake_until(1, 0, SIGTERM, crumple("out", {}, "1-36"), "is tried"), 5);
+  run(note("whole", {}));
+  EXPECT_EQ(bake_until(1, 100, SIGKILL, note("out", {}), "is tried"), -1);
+  EXPECT_EQ(bake_until(1, 0, SIGTERM, note("out", {}), "is tried"), 5);
   EXPECT_NE(read(folder / "stderr.txt").find("stopped while it tried another attempt"),
             std::string::npos);
-  const Ended rest = run(crumple("out", {"--threads", "5"}, "1-36"));
+  const Ended rest = run(note("out", {"--threads", "5"}));
   EXPECT_EQ(simulated(rest), 0) << "the first attempt was simulated before";
   expect_same("out", "whole");
   EXPECT_EQ(summary("out").at("attempts"), summary("whole").at("attempts"));
@@ -228,7 +248,6 @@ TEST_F(AttemptsTest, PaperThatCrumplesOnlyOnACoarseMeshIsBakedOnAFinerOne) {
   const auto roll = [&](const std::string& out, const Words& more) {
     Words all{"bake",       test::samples + "/S5_roll.glb",
               "-o",         (folder / out).string(),
-              "--frames",   "1-58",
               "--formats",  "abc,cert",
               "--quality",  "draft",
               "--progress", "plain"};
