@@ -142,6 +142,7 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   Bends& bends = bends_[frame.sheet_index];
   const bool is_first = frame.frame == first_.animation.first_frame;
+  // A rehearsal makes four times as many or more. Handles and corners add some to any mesh.
   if (is_first) is_rehearsed_finer_ |= sheet.triangles.rows() > 2.5 * seen_.base_triangles;
   if (bends.may_be_sharp || (!frame.statistics.converged && !is_first)) return;
   bends.sagitta = std::max(

@@ -160,31 +160,26 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
 /// 1.1 mm in frame 45; on the finer mesh of the second attempt none is.
 class AttemptsTest : public test::ResumeFixture {
  protected:
-  Words crumple(const std::string& out, const Words& more, const char* frames = "1-46") const {
-    Words all{"bake",       test::samples + "/S14_hands.glb",
+  Words shot(const std::string& sample, const std::string& out, const Words& more) const {
+    Words all{"bake",       test::samples + "/" + sample + ".glb",
               "-o",         (folder / out).string(),
-              "--frames",   frames,
               "--formats",  "abc,cert",
               "--quality",  "draft",
               "--progress", "plain"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
+  Words crumple(const std::string& out, Words more, const char* frames = "1-46") const {
+    more.insert(more.end(), {"--frames", frames});
+    return shot("S14_hands", out, more);
+  }
+  /// A note that crumples on any mesh, with handles that hold.
+  Words note(const std::string& out, const Words& more) const { return shot("S0_note", out, more); }
   std::vector<json> shapes(const std::string& out) const {
     std::vector<json> hashes;
     for (const std::string& line : test::lines_of(read(folder / out / "cert/frames.jsonl")))
       hashes.push_back(json::parse(line).at("content_hash"));
     return hashes;
-  }
-  /// A note that crumples on any mesh, with handles that hold.
-  Words note(const std::string& out, const Words& more) const {
-    Words all{"bake",       test::samples + "/S0_note.glb",
-              "-o",         (folder / out).string(),
-              "--formats",  "abc,cert",
-              "--quality",  "draft",
-              "--progress", "plain"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
   }
   json summary(const std::string& out) const {
     return json::parse(read(folder / out / "cert/summary.json"));
@@ -246,13 +241,7 @@ TEST_F(AttemptsTest, ABakeThatIsKilledWhileItTriesAFinerMeshComesOutAsAnother) {
 
 TEST_F(AttemptsTest, PaperThatCrumplesOnlyOnACoarseMeshIsBakedOnAFinerOne) {
   const auto roll = [&](const std::string& out, const Words& more) {
-    Words all{"bake",       test::samples + "/S5_roll.glb",
-              "-o",         (folder / out).string(),
-              "--formats",  "abc,cert",
-              "--quality",  "draft",
-              "--progress", "plain"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+    return shot("S5_roll", out, more);
   };
   const Ended ended = run(roll("out", {}));
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -270,13 +259,7 @@ TEST_F(AttemptsTest, PaperThatCrumplesOnlyOnACoarseMeshIsBakedOnAFinerOne) {
 
 TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFinerOne) {
   const auto stacks = [&](const std::string& out, const Words& more) {
-    Words all{"bake",       test::samples + "/S7_stacks.glb",
-              "-o",         (folder / out).string(),
-              "--formats",  "abc,cert",
-              "--quality",  "draft",
-              "--progress", "plain"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+    return shot("S7_stacks", out, more);
   };
   const Ended ended = run(stacks("out", {}));
   ASSERT_EQ(ended.code, 0) << ended.err;
