@@ -45,7 +45,9 @@ struct BakeJob {
       : options(options) {}
 };
 
-/// Simulates the sheets of a scene and writes nothing. Options of the output have no effect.
+/// Simulates the sheets of a scene and writes nothing. Options of the output have no effect, nor
+/// have `attempts`, `twin`, `resume` and `checkpoint`: the first attempt at the shot is
+/// handed out as it is simulated, and where bake_scene() bakes another one, its frames differ.
 ///
 /// on_frame  called on this thread for every frame in order, and within a frame for every sheet in
 ///           order; with the option polish: for all frames of a sheet, then for those of the next.

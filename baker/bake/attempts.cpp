@@ -19,10 +19,10 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
-// [1] of the longer side: how far triangles may be from the smooth paper that they stand for. It is
-// what counts as visible elsewhere, too (core/animation/swing.h). On the strips of a first mesh of
-// 120 triangles it is a fold of 40 degrees from one to the next.
-constexpr double most_sagitta = 0.005;
+// [1] of the longer side: how far a mesh may put a smooth sheet off. It is what counts as visible
+// elsewhere, too (core/animation/swing.h).
+constexpr double visible = 0.005;
+constexpr double some_frames = 0.1;  // [1] of a shot: a mesh may put the sheet off for so long
 
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
 /// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
@@ -134,7 +134,7 @@ std::string Attempts::caution() const {
 
 bool Attempts::is_coarse() const {
   return std::any_of(bends_.begin(), bends_.end(), [](const Bends& bends) {
-    return !bends.may_be_sharp && bends.sagitta > most_sagitta;
+    return !bends.may_be_sharp && bends.coarse_frames > some_frames * bends.frames;
   });
 }
 
@@ -142,13 +142,14 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   Bends& bends = bends_[frame.sheet_index];
   const bool is_first = frame.frame == first_.animation.first_frame;
-  // A rehearsal makes four times as many or more. Handles and corners add some to any mesh.
-  if (is_first) is_rehearsed_finer_ |= sheet.triangles.rows() > 2.5 * seen_.base_triangles;
-  if (bends.may_be_sharp || (!frame.statistics.converged && !is_first)) return;
-  bends.sagitta = std::max(
-      bends.sagitta, rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern));
-  bends.may_be_sharp = !sheet.singular.empty() || !sheet.prescribed_creases.empty() ||
-                       (is_first && bends.sagitta > most_sagitta);
+  if (is_first) is_rehearsed_finer_ |= frame.statistics.doublings > 0;
+  bends.may_be_sharp |= !sheet.singular.empty() || !sheet.prescribed_creases.empty();
+  if (bends.may_be_sharp) return;
+  ++bends.frames;
+  const double sagitta = rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern);
+  bends.may_be_sharp = is_first && sagitta > visible;
+  if (!frame.statistics.converged) return;
+  bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible;
 }
 
 bool may_be_finer(const BakeSettings& settings) {
@@ -250,7 +251,14 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     recorded_ = Recorded::first_frames;
   else if (first_.polish.triangles == 0)
     move_checkpoints(folder_of(choice.baked), state_);
-  keep_choice(choice);
+  try {
+    keep_choice(choice);
+  } catch (const Error& error) {
+    progress.warning(fmt::format(
+        "which attempt was chosen could not be kept, so that a later bake chooses again: "
+        "{} {}",
+        error.place, error.cause));
+  }
   remove_attempts();
   progress.message(describe(choice));
   adopt(std::move(choice));

@@ -21,12 +21,15 @@ namespace paperbake {
 /// way then does so to a collider, however the paper buckles.
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet crumples only because of that, or
-/// it stays smooth and its triangles are farther from smooth paper than 0.5 % of its longer side.
-/// Where all handles hold and one of both is so, the shot is simulated once more on a first mesh of
-/// four times as many triangles, with the seed of the bake, until a sheet crumples there. If none
-/// does and the handles hold, this attempt is baked. A shot whose first mesh a rehearsal has made
-/// finer is not doubted in this way. Nor is one that is baked in part: its frames would depend on
-/// which part that is, and a message says that the whole shot may come out otherwise.
+/// it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in more than a
+/// tenth of the frames. By how much is the larger of two numbers: how far the sheet is from where
+/// it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame), and how far
+/// its triangles are from smooth paper (rms_sagitta). Where all handles hold and the mesh may be
+/// too coarse, the shot is simulated once more on a first mesh of four times as many triangles, with
+/// the seed of the bake, until a sheet crumples there. If none does and the handles hold, this
+/// attempt is baked. A shot whose first mesh a rehearsal has made finer is not doubted in this way.
+/// Nor is one that is baked in part: its frames would depend on which part that is, and a message
+/// says that the whole shot may come out otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -67,9 +70,10 @@ class Attempts {
   bool choose(Progress&, StopRequest&, StageClock&);
 
  private:
-  /// How coarse a mesh is for the bends of a sheet.
+  /// How coarse the mesh of a sheet is for its bends.
   struct Bends {
-    double sagitta = 0;  // [1] the largest rms_sagitta of a frame, of the longer side
+    int frames = 0;         // of the sheet so far
+    int coarse_frames = 0;  // in which its mesh puts it off visibly
     // it was modelled bent, is creased or has singular points: it may be as sharp as it likes
     bool may_be_sharp = false;
   };

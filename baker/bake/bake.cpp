@@ -174,7 +174,14 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   if (const std::string caution = attempts.caution(); !caution.empty() && !failure)
     progress.message(caution);
   if (attempts.is_doubtful() && !failure) {
-    if (!attempts.choose(progress, stop, clock)) {
+    bool has_chosen = false;
+    try {
+      has_chosen = attempts.choose(progress, stop, clock);
+    } catch (const Error& error) {
+      failure = error;  // the first attempt is written all the same
+    }
+    if (failure) {
+    } else if (!has_chosen) {
       failure = Error(
           ErrorCode::stopped,
           fmt::format("frame {} of {}", attempts.last_seen_frame(), plan.animation.last_frame),

@@ -27,7 +27,7 @@ ColliderRecord collider_record(const BakePlan& plan) {
   record.first_frame = plan.animation.first_frame;
   for (const Shot& shot : plan.shots)
     for (const Collider& collider : *shot.colliders)
-      record.of_sheet[shot.sheet_name].push_back(collider.mesh_with_frames());
+      record.of_sheet[shot.sheet_name].push_back(collider.mesh());
   return record;
 }
 
@@ -107,24 +107,22 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets, MeshFea
   const BakeSettings& settings = context_.settings;
   const BakePlan& plan = context_.plan;
   RenderedFrames kept(files_.folder() / ".state" / rendered_frames_file(sheets.front(), features),
-                      render_key(sheets));
+                      render_key(sheets), settings.resume);
   FrameSpan left = caches_.frames_shown();
   // of the frames that are taken: one object, which the writers store once
   std::vector<std::shared_ptr<const MeshSurface>> surfaces;
-  if (settings.resume == Resume::automatic) {
-    int taken = 0;
-    while (auto frame = kept.take()) {
-      surfaces.clear();
-      for (const RenderedSheet& sheet : *frame) surfaces.push_back(sheet.mesh.surface);
-      left.first = frame->front().frame + left.step;
-      hand_on(sheets, *frame);
-      ++taken;
-    }
-    rendered += taken;
-    if (taken > 0)
-      context_.progress.message(
-          fmt::format("{} frames are as an earlier bake rendered them.", taken));
+  int taken = 0;
+  while (auto frame = kept.take()) {
+    surfaces.clear();
+    for (const RenderedSheet& sheet : *frame) surfaces.push_back(sheet.mesh.surface);
+    left.first = frame->front().frame + left.step;
+    hand_on(sheets, *frame);
+    ++taken;
   }
+  rendered += taken;
+  if (taken > 0)
+    context_.progress.message(
+        fmt::format("{} frames are as an earlier bake rendered them.", taken));
   const int last = recorders_[sheets.front()]->record().frames().back().frame;
   if (left.first > std::min(left.last, last) || stop.is_time_up()) return;
   std::vector<RenderInput> inputs;

@@ -42,7 +42,7 @@ CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sh
 
 void CertificateRecorder::consume(const AnimatedFrame& frame) {
   const BakePlan& plan = bake_.plan;
-  input_hash_ = frame_input_hash(input_hash_, plan.shots, frame.frame, plan.animation.first_frame);
+  input_hash_ = frame_input_hash(input_hash_, plan, frame.frame);
   const std::vector<SingularPoint>& singular = frame.sheet->singular;
   for (std::size_t k = known_singular_; k < singular.size(); ++k)
     bake_.certificate.singular.push_back({plan.shots[sheet_].sheet_name, singular[k]});

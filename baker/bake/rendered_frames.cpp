@@ -121,8 +121,8 @@ std::optional<std::string> read_entry(std::FILE* file) {
   if (here < 0 || std::fseek(file, 0, SEEK_END) != 0) return {};
   const long end = std::ftell(file);
   ContentKey seal;
-  if (std::fseek(file, here, SEEK_SET) != 0 ||
-      size + seal.size() > static_cast<std::uint64_t>(end - here))
+  const auto rest = static_cast<std::uint64_t>(end - here);
+  if (std::fseek(file, here, SEEK_SET) != 0 || rest < seal.size() || size > rest - seal.size())
     return {};
   std::string bytes(size, '\0');
   if (std::fread(bytes.data(), 1, size, file) != size ||
@@ -133,9 +133,11 @@ std::optional<std::string> read_entry(std::FILE* file) {
 
 }  // namespace
 
-RenderedFrames::RenderedFrames(fs::path file, std::string key) : path_(std::move(file)) {
+RenderedFrames::RenderedFrames(fs::path file, std::string key, Resume resume)
+    : path_(std::move(file)) {
   std::error_code unknown;
-  if (fs::is_symlink(path_, unknown) || !fs::is_regular_file(path_, unknown))
+  if (resume == Resume::never || fs::is_symlink(path_, unknown) ||
+      !fs::is_regular_file(path_, unknown))
     fs::remove(path_, unknown);
   const int fd = ::open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
   file_ = fd < 0 ? nullptr : ::fdopen(fd, "rb+");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/bake/render_pass.h"
+#include "baker/job/settings.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -16,8 +17,8 @@ namespace paperbake {
 /// room, nothing is kept.
 class RenderedFrames {
  public:
-  /// What is in the file under another key, or damaged, is dropped.
-  RenderedFrames(std::filesystem::path file, std::string key);
+  /// What is in the file under another key, or damaged, is dropped; with Resume::never all of it.
+  RenderedFrames(std::filesystem::path file, std::string key, Resume);
   ~RenderedFrames();
   RenderedFrames(const RenderedFrames&) = delete;
   RenderedFrames& operator=(const RenderedFrames&) = delete;

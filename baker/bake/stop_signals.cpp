@@ -4,6 +4,7 @@
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>
@@ -14,12 +15,13 @@
 namespace paperbake {
 namespace {
 
-volatile std::sig_atomic_t stop_asked = 0;
+std::atomic<bool> stop_asked = false;  // set by a signal handler, read by all threads
+static_assert(std::atomic<bool>::is_always_lock_free);
 int signal_pipe[2] = {-1, -1};  // a byte for every signal
 
 void note_signal(int) {
   const int error = errno;
-  stop_asked = 1;
+  stop_asked = true;
   const char byte = 0;
   // the pipe can only be full when it has been told often enough
   if (::write(signal_pipe[1], &byte, 1) < 0) errno = error;

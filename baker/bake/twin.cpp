@@ -9,12 +9,13 @@ BakePlan twin_of(const BakePlan& plan) {
   BakePlan twin = plan;
   for (std::size_t s = 0; s < twin.shots.size(); ++s) {
     std::uint64_t draw = 0;
+    const unsigned seed = seed_of_sheet(plan, s);
     for (Handle& handle : twin.shots[s].handles) {
       const Points3 keyed = handle.keyed;
       Vector3d moved = Vector3d::Zero();
       for (int row = 1; row < keyed.rows(); ++row) {
         if (keyed.row(row) != keyed.row(row - 1))
-          for (double& axis : moved) axis = twin_jitter * uniform(plan.seeds[s], draw++);
+          for (double& axis : moved) axis = twin_jitter * uniform(seed, draw++);
         handle.keyed.row(row) += moved.transpose();
       }
     }

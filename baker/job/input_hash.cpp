@@ -100,41 +100,58 @@ std::vector<std::string> with_all(std::vector<std::string> hashes) {
   return hashes;
 }
 
-}  // namespace
+/// Of the frames that are baked, and of those after them that have keys.
+int rows_of(const BakePlan& plan) {
+  std::ptrdiff_t rows = plan.animation.last_frame - plan.animation.first_frame + 1;
+  for (const Shot& shot : plan.shots) {
+    for (const Handle& handle : shot.handles) rows = std::max(rows, handle.keyed.rows());
+    if (!shot.colliders) continue;
+    for (const Collider& collider : *shot.colliders)
+      rows = std::max(rows, std::ptrdiff_t(collider.frames().size()));
+  }
+  return static_cast<int>(rows);
+}
 
-std::string frame_input_hash(const std::string& before, const std::vector<Shot>& shots, int frame,
-                             int first_frame) {
-  std::string bytes = before;
-  for (const Shot& shot : shots) {
+/// row  frame - first frame of the scene
+std::string frame_hash(const BakePlan& plan, int row) {
+  std::string bytes;
+  for (const Shot& shot : plan.shots) {
     for (const Handle& handle : shot.handles) {
-      bytes += bytes_of_values(keyed_position(handle, frame - first_frame));
-      bytes += handle.held(frame) ? 'h' : 'f';
+      bytes += bytes_of_values(keyed_position(handle, row));
+      bytes += handle.held(plan.animation.first_frame + row) ? 'h' : 'f';
     }
     // what hands press may depend on later keys
     for (const FoldingHands& hands : shot.hands)
-      bytes += fmt::format("{}/", turn_at(hands.turn, std::max(0, frame - first_frame)));
-    if (shot.colliders)
-      for (const Collider& collider : *shot.colliders)
-        if (const auto& frames = collider.frames(); !frames.empty())
-          bytes += bytes_of_values(
-              frames[std::clamp(frame - first_frame, 0, static_cast<int>(frames.size()) - 1)]);
+      bytes += fmt::format("{}/", turn_at(hands.turn, row));
   }
+  // the colliders of all sheets are those of the scene; they differ in where the paper stays
+  const auto shot = std::find_if(plan.shots.begin(), plan.shots.end(),
+                                 [](const Shot& s) { return s.colliders != nullptr; });
+  if (shot != plan.shots.end())
+    for (const Collider& collider : *shot->colliders)
+      if (const auto& frames = collider.frames(); !frames.empty())
+        bytes += bytes_of_values(frames[std::min<std::size_t>(row, frames.size() - 1)]);
   return hex(content_hash(bytes));
 }
 
+}  // namespace
+
+std::string frame_input_hash(const std::string& before, const BakePlan& plan, int frame) {
+  const int last = static_cast<int>(plan.frame_hash.size()) - 1;
+  return hex(content_hash(
+      before + plan.frame_hash[std::clamp(frame - plan.animation.first_frame, 0, last)]));
+}
+
 std::string scene_input_hash(const BakePlan& plan) {
-  std::ptrdiff_t frames = plan.animation.last_frame - plan.animation.first_frame + 1;
-  for (const Shot& shot : plan.shots) {
-    for (const Handle& handle : shot.handles) frames = std::max(frames, handle.keyed.rows());
-    if (!shot.colliders) continue;
-    for (const Collider& collider : *shot.colliders)
-      frames = std::max(frames, std::ptrdiff_t(collider.frames().size()));
-  }
-  const int first = plan.animation.first_frame;
   std::string hash = plan.simulation_hash;
-  for (int row = 0; row < frames; ++row)
-    hash = frame_input_hash(hash, plan.shots, first + row, first);
+  for (std::size_t row = 0; row < plan.frame_hash.size(); ++row)
+    hash = frame_input_hash(hash, plan, plan.animation.first_frame + static_cast<int>(row));
   return hash;
+}
+
+void hash_frames(BakePlan& plan) {
+  plan.frame_hash.clear();
+  for (int row = 0; row < rows_of(plan); ++row) plan.frame_hash.push_back(frame_hash(plan, row));
 }
 
 void hash_inputs(BakePlan& plan) {
@@ -150,6 +167,7 @@ void hash_inputs(BakePlan& plan) {
     if (!is_of_output(value.key)) of_simulation += line;
   }
   std::vector<std::string> simulated;
+  plan.start_hash.clear();
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
     plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
     simulated.push_back(
@@ -157,9 +175,10 @@ void hash_inputs(BakePlan& plan) {
   }
   plan.start_hash = with_all(std::move(plan.start_hash));
   plan.simulation_hash = with_all(std::move(simulated)).front();
+  hash_frames(plan);
   for (std::string hash : plan.start_hash) {
     for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
-      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
+      hash = frame_input_hash(hash, plan, f);
     job += hash;
   }
   for (const Shot& shot : plan.shots) job += authored_bytes(shot);

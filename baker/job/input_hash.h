@@ -7,16 +7,15 @@
 
 namespace paperbake {
 
-/// Sets start_hash, simulation_hash and job_hash of a plan from everything else in it: what the
-/// frames depend on, and what the simulated frames alone do.
+/// Sets start_hash, simulation_hash, frame_hash and job_hash of a plan from everything else in it:
+/// what the frames depend on, and what the simulated frames alone do.
 void hash_inputs(BakePlan&);
+/// Sets frame_hash alone.
+void hash_frames(BakePlan&);
 
-/// Hash of all inputs up to a frame: the hash of the frame before it, keyed positions of the
-/// handles, which of them hold, and poses of the colliders.
-/// before       the hash of the frame before it; of the first one: BakePlan::start_hash
-/// first_frame  of the scene
-std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame,
-                             int first_frame);
+/// Hash of all inputs up to a frame.
+/// before  the hash of the frame before it; of the first one: BakePlan::start_hash
+std::string frame_input_hash(const std::string& before, const BakePlan&, int frame);
 
 /// Hash of what the whole scene asks for: of the input of all frames, those after the last one that
 /// is baked included, because it may look ahead to them.

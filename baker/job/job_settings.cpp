@@ -174,6 +174,11 @@ void load_job(BakeSettings& settings, const fs::path& path) {
                 "Write for instance scene = \"shot.glb\", from the folder of the job file.");
 }
 
+std::string sections_text(const BakeSettings& settings, const fs::path& folder) {
+  return sections_text("sheet", sheet_keys(), settings.sheets, folder) +
+         sections_text("handle", handle_keys(), settings.handles, folder);
+}
+
 std::string job_text(const BakeSettings& settings, const fs::path& file) {
   const fs::path folder = file.parent_path().empty() ? "." : file.parent_path();
   std::string text =
@@ -201,8 +206,7 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
       "and \"handle-l\" are all met by \"handle.l\".\n"
       "# A value here has the meaning of the property paper_... of the node and wins over it; of "
       "two sections the later one.\n";
-  text += sections_text("sheet", sheet_keys(), settings.sheets, folder) +
-          sections_text("handle", handle_keys(), settings.handles, folder);
+  text += sections_text(settings, folder);
   const Scene scene = read_scene(settings.scene, settings.reading);
   for (const SceneSheet& sheet : scene.sheets)
     if (!has_section(settings.sheets, sheet.name)) text += sheet_comment(sheet);

@@ -99,7 +99,13 @@ void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
     plan.warnings.push_back(
         fmt::format("--frames begins at {}, before the scene's first frame {}: baked from {}.",
                     plan.frames.first, scene.first_frame, scene.first_frame));
-    while (plan.frames.first < scene.first_frame) plan.frames.first += plan.frames.step;
+    const int steps = (scene.first_frame - plan.frames.first - 1) / plan.frames.step + 1;
+    plan.frames.first += steps * plan.frames.step;
+    if (plan.frames.first > plan.frames.last)
+      throw Error(ErrorCode::command, "--frames",
+                  fmt::format("None of these frames is in the scene, which begins at frame {}.",
+                              scene.first_frame),
+                  fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
   }
   plan.ends_with_shot = plan.frames.last >= last.frame;
   plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
@@ -220,10 +226,13 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   return plan;
 }
 
+unsigned seed_of_sheet(const BakePlan& plan, std::size_t sheet) {
+  return plan.seeds[sheet] + 0x9e3779b9u * static_cast<unsigned>(sheet);
+}
+
 std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan) {
   std::vector<AnimateOptions> options(plan.shots.size(), plan.animation);
-  for (std::size_t s = 0; s < options.size(); ++s)  // sheets of one seed differ
-    options[s].seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);
+  for (std::size_t s = 0; s < options.size(); ++s) options[s].seed = seed_of_sheet(plan, s);
   return options;
 }
 

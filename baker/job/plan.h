@@ -69,6 +69,9 @@ struct BakePlan {
   std::vector<std::string> start_hash;
   // of all sheets: the same without the values that only concern which frames are written, and how
   std::string simulation_hash;
+  // of the input of each frame of the scene by itself: keyed positions of the handles, which of
+  // them hold, what hands press, poses of the colliders
+  std::vector<std::string> frame_hash;
   // of the whole job: inputs of all sheets and frames, without threads, formats and paths
   std::string job_hash;
 };
@@ -79,6 +82,9 @@ BakePlan plan_bake(const BakeSettings&);
 
 /// The same for a scene that has been read, or made in code.
 BakePlan plan_bake(const BakeSettings&, Scene);
+
+/// The seed of a sheet: sheets of one seed differ.
+unsigned seed_of_sheet(const BakePlan&, std::size_t sheet);
 
 /// Options of each sheet of a plan.
 std::vector<AnimateOptions> options_of_sheets(const BakePlan&);

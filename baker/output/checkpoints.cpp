@@ -6,6 +6,7 @@
 #include "core/model/serializer.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/frame_statistics_table.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -134,8 +135,7 @@ fs::path Checkpoints::file(int frames) const {
 
 const std::string& Checkpoints::input_until(int frame) {
   for (int f = first_frame_ + static_cast<int>(inputs_.size()); f <= frame; ++f)
-    inputs_.push_back(frame_input_hash(f == first_frame_ ? start_ : inputs_.back(), plan_.shots, f,
-                                       first_frame_));
+    inputs_.push_back(frame_input_hash(f == first_frame_ ? start_ : inputs_.back(), plan_, f));
   return inputs_[frame - first_frame_];
 }
 
@@ -143,7 +143,7 @@ Checkpoints::ResumePoint Checkpoints::load(
     const std::function<bool(const AnimatedFrame&)>& on_frame) {
   if (reuse_ == Reuse::any_of_them) return load_chain(on_frame);
   ResumePoint all = load_chain([](const AnimatedFrame&) { return true; });
-  kept_until_ = first_frame_ - 1;
+  kept_until_ = keys_until_ = first_frame_ - 1;
   if (all.last_frame == plan_.animation.last_frame) return load_chain(on_frame);
   return {kept_until_, {}, all.damaged};
 }

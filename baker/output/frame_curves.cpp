@@ -1,4 +1,5 @@
 #include "baker/output/frame_curves.h"
+#include "formats/files/frame_statistics_table.h"
 
 #include <map>
 #include <type_traits>

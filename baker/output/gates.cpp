@@ -13,19 +13,33 @@
 namespace paperbake {
 namespace {
 
+/// What an artist can move more slowly.
+std::string movers(const BakePlan& plan) {
+  const bool by_handles = std::any_of(plan.shots.begin(), plan.shots.end(),
+                                      [](const Shot& shot) { return !shot.handles.empty(); });
+  const bool by_colliders = std::any_of(plan.shots.begin(), plan.shots.end(), [](const Shot& shot) {
+    return shot.colliders && std::any_of(shot.colliders->begin(), shot.colliders->end(),
+                                         [](const Collider& c) { return !c.frames().empty(); });
+  });
+  return by_colliders && !by_handles ? "colliders" : "handles";
+}
+
 /// What to do about a missed gate.
-std::string advice(Gate gate) {
+std::string advice(Gate gate, const BakePlan& plan) {
   switch (gate) {
     case Gate::lengths:
-      return "The paper could not follow: move the handles more slowly there. If it is so from the "
-             "first frame on, mark the creases of the folded sheet, or move away what stands in "
-             "it.";
+      return fmt::format(
+          "The paper could not follow: move the {} more slowly there. If it is so from the first "
+          "frame on, mark the creases of the folded sheet, or move away what stands in it.",
+          movers(plan));
     case Gate::handles:
       return "Something is in the way of the paper there, there is too little of it, or its mesh "
              "is too coarse: move the handles less far or more slowly, or bake with more "
              "--base-triangles; cert/handles.csv says which handles.";
     case Gate::crossings:
-      return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
+      return fmt::format(
+          "Move the {} more slowly in these frames, or bake with more --base-triangles.",
+          movers(plan));
     case Gate::colliders:
       return "Move the collider away from where the paper begins, move it more slowly, or bake "
              "with more --base-triangles.";
@@ -36,11 +50,16 @@ std::string advice(Gate gate) {
   return "";
 }
 
+/// What to do about a gate that the simulated sheet keeps and only the render mesh misses.
+const char* const advice_on_render_mesh =
+    "The simulated sheet is good there: hand it on with --mesh simulation, or try another "
+    "--quality.";
+
 /// The lines of a certificate and the sentences about them.
 class Review {
  public:
-  Review(const std::vector<FrameRecord>& frames, bool several_sheets)
-      : frames_(frames), several_sheets_(several_sheets) {}
+  Review(const std::vector<FrameRecord>& frames, const BakePlan& plan)
+      : frames_(frames), plan_(plan) {}
 
   using Value = std::function<double(const FrameRecord&)>;
   using Sentence = std::function<std::string(const FrameRecord&, double value)>;
@@ -62,17 +81,29 @@ class Review {
                          *others.begin(), *others.rbegin());
     missed.push_back(
         {gate,
-         fmt::format("Frame {}{}: {}.{}", worst->frame,
-                     several_sheets_ ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
-                     sentence(*worst, value(*worst)), also),
-         advice(gate)});
+         fmt::format(
+             "Frame {}{}: {}.{}", worst->frame,
+             plan_.shots.size() > 1 ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
+             sentence(*worst, value(*worst)), also),
+         advice(gate, plan_), static_cast<int>(others.size()) + 1});
+  }
+
+  /// The same of the render mesh, after the simulated one was checked.
+  void check_rendered(Gate gate, double limit, const Value& value, const Sentence& sentence) {
+    const bool is_simulated_good = std::none_of(
+        missed.begin(), missed.end(), [gate](const MissedGate& m) { return m.gate == gate; });
+    const std::size_t before = missed.size();
+    check(
+        gate, limit, [&](const FrameRecord& f) { return f.statistics.render ? value(f) : 0; },
+        sentence);
+    if (is_simulated_good && missed.size() > before) missed.back().advice = advice_on_render_mesh;
   }
 
   std::vector<MissedGate> missed;
 
  private:
   const std::vector<FrameRecord>& frames_;
-  bool several_sheets_;
+  const BakePlan& plan_;
 };
 
 std::string place(const Vector2d& at) {
@@ -90,23 +121,19 @@ void review_lengths(const Gates& gates, Review& review) {
       Gate::lengths, gates.mean_stretch_pct,
       [](const FrameRecord& f) { return 100 * f.statistics.stretch_mean; }, mean(""));
   review.check(
-      Gate::lengths, gates.mean_stretch_pct,
-      [](const FrameRecord& f) {
-        return f.statistics.render ? 100 * f.statistics.render->stretch_mean : 0;
-      },
-      mean("of the rendered mesh "));
-  review.check(
       Gate::lengths, gates.max_stretch_pct,
       [](const FrameRecord& f) { return 100 * f.statistics.stretch_max; },
       [&](const FrameRecord&, double value) {
         return fmt::format("an edge is off by {:.2f} %, more than {:g} %", value,
                            gates.max_stretch_pct);
       });
-  review.check(
+  review.check_rendered(
+      Gate::lengths, gates.mean_stretch_pct,
+      [](const FrameRecord& f) { return 100 * f.statistics.render->stretch_mean; },
+      mean("of the rendered mesh "));
+  review.check_rendered(
       Gate::lengths, gates.max_stretch_pct,
-      [](const FrameRecord& f) {
-        return f.statistics.render ? 100 * f.statistics.render->stretch_max : 0;
-      },
+      [](const FrameRecord& f) { return 100 * f.statistics.render->stretch_max; },
       [&](const FrameRecord& f, double value) {
         return fmt::format("an edge of the rendered mesh is off by {:.2f} %, more than {:g} %, {}",
                            value, gates.max_stretch_pct, place(f.worst.stretch_at));
@@ -124,19 +151,15 @@ void review_crossings(Review& review) {
       pairs("triangles"));
   review.check(
       Gate::crossings, 0,
-      [](const FrameRecord& f) {
-        return f.statistics.render ? double(f.statistics.render->crossings) : 0;
-      },
-      pairs("rendered triangles"));
-  review.check(
-      Gate::crossings, 0,
       [](const FrameRecord& f) { return double(f.statistics.crossings_with_others); },
       pairs("triangles of two sheets"));
-  review.check(
+  review.check_rendered(
       Gate::crossings, 0,
-      [](const FrameRecord& f) {
-        return f.statistics.render ? double(f.statistics.render->crossings_with_others) : 0;
-      },
+      [](const FrameRecord& f) { return double(f.statistics.render->crossings); },
+      pairs("rendered triangles"));
+  review.check_rendered(
+      Gate::crossings, 0,
+      [](const FrameRecord& f) { return double(f.statistics.render->crossings_with_others); },
       pairs("rendered triangles of two sheets"));
 }
 
@@ -205,10 +228,14 @@ Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
                         "hand, which gives way rather than tear the paper",
                         touches.empty() ? ", though nothing touches the sheet" : ""),
             "Hold the paper with more handles, move them more slowly, or make the wind weaker."};
-  if (!touches.empty()) return {"jammed; the sheet touches " + touches, advice(Gate::handles)};
-  if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles)};
-  return {"jammed, though nothing touches the sheet: its mesh does not fold any farther",
-          advice(Gate::handles)};
+  if (!touches.empty())
+    return {"jammed; the sheet touches " + touches, advice(Gate::handles, plan)};
+  if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles, plan)};
+  return {
+      "jammed, though nothing touches the sheet: the paper pushes back harder than a hand holds "
+      "it, which is with 3 N",
+      "Hold the paper with more handles there, move them less far, or bake with more "
+      "--base-triangles."};
 }
 
 /// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.
@@ -284,7 +311,7 @@ std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
 
 std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
                                      const BakePlan& plan) {
-  Review review(frames, plan.shots.size() > 1);
+  Review review(frames, plan);
   review_lengths(gates, review);
   std::optional<std::string> advice_on_handles;
   review.check(
@@ -320,7 +347,9 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
              ? describe(plan.impossible.front())
              : fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
                            plan.impossible.size(), describe(plan.impossible.front())),
-         advice(Gate::reach)});
+         advice(Gate::reach, plan)});
+  std::stable_sort(review.missed.begin(), review.missed.end(),
+                   [](const MissedGate& a, const MissedGate& b) { return a.frames > b.frames; });
   std::set<Gate> advised;
   for (MissedGate& m : review.missed)
     if (!advised.insert(m.gate).second) m.advice.clear();

@@ -28,9 +28,10 @@ struct MissedGate {
   std::string sentence;  // with its worst frame and, for handles, the cause where it is known
   // what to do about it; empty where a gate before it has the same
   std::string advice;
+  int frames = 0;  // in how many it is missed
 };
 
-/// The gates that were missed. Empty: none was.
+/// The gates that were missed, the one that is missed in most frames first. Empty: none was.
 std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord>&,
                                      const BakePlan&);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -56,9 +57,18 @@ void replace_outputs(const fs::path& folder, const std::string& shot,
   const auto is_of_another_shot = [&](const fs::path& path) {
     return before.shot != shot && path.filename().string().rfind(before.shot + ".", 0) == 0;
   };
+  // Debug pictures may lie elsewhere. The list may be somebody else's: outside the folder it counts
+  // only for folders into which this bake has written, too.
+  std::set<fs::path> own_folders;
+  for (const auto& file : files) own_folders.insert(fs::path(file.first).parent_path());
+  const auto is_foreign = [&](const fs::path& path) {
+    const fs::path place = path.lexically_normal();
+    const bool is_outside = place.is_absolute() || (!place.empty() && *place.begin() == "..");
+    return is_outside && own_folders.count(place.parent_path()) == 0;
+  };
   for (const auto& [path, key] : before.files) {
     std::error_code none;
-    if (is_of_another_shot(path)) continue;
+    if (is_of_another_shot(path) || is_foreign(path)) continue;
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||
         file_hash(base / path) != key)
       continue;

@@ -6,6 +6,7 @@
 #include "baker/output/leaps.h"
 #include "baker/output/twin_verdict.h"
 #include "core/model/degrees.h"
+#include "formats/files/frame_statistics_table.h"
 #include "formats/files/json.h"
 
 #include <algorithm>

@@ -46,7 +46,7 @@ SizeLadder ladder_of(const BakeSettings& settings) {
   ladder.option = hybrid ? "base_triangles" : "triangles";
   ladder.is_given = settings.given.count(ladder.option) > 0;
   const int first = ladder.is_given ? (hybrid ? settings.base_triangles : *settings.triangles)
-                    : hybrid        ? 120
+                    : hybrid        ? settings.base_triangles
                                     : 250;
   ladder.largest = ladder.is_given ? first : hybrid ? 960 : 4000;
   if (hybrid && settings.triangles)  // the mesh that is handed on never has more

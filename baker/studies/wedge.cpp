@@ -3,6 +3,7 @@
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
 #include "baker/job/file_names.h"
+#include "baker/job/job_settings.h"
 #include "baker/job/options.h"
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
@@ -14,6 +15,7 @@
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
+#include "formats/files/frame_statistics_table.h"
 #include "formats/files/json.h"
 
 #include <algorithm>
@@ -72,6 +74,8 @@ std::string inputs_key(const BakeSettings& settings) {
       bytes += "/" + name + "=" + given.text;
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
+  bytes += sections_text(settings, settings.scene.parent_path());
+  if (settings.preset) bytes += "/" + text_or_nothing(*settings.preset);  // if it is a file
   return hex(content_hash(bytes + "/" + text_or_nothing(settings.scene)));
 }
 
@@ -292,16 +296,13 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
   BakeSettings settings = wedge.settings(index);
   const std::string inputs = inputs_key(settings);
   Json record = empty_record(wedge, index, inputs);
+  forget_end(wedge, index);
   try {
     const BakePlan plan = plan_with_accuracy(settings, [](const std::string&) {});
     record["job_hash"] = plan.job_hash;
     record["exit_code"] = bake_with_progress(settings, plan, stop).exit_code;
   } catch (const Error& error) {
-    if (error.code == ErrorCode::stopped) {
-      std::error_code none;
-      fs::remove(wedge.state(index, ".json"), none);
-      throw;
-    }
+    if (error.code == ErrorCode::stopped) throw;
     record["exit_code"] = static_cast<int>(error.code);
     record["message"] = error.what();
   } catch (const std::exception& error) {
@@ -323,6 +324,11 @@ std::string describe_variation(const Wedge& wedge, int index) {
   const std::string message = record.value("message", "");
   return line + fmt::format(": exit code {}", json_line(record.value("exit_code", Json()))) +
          (message.empty() ? "" : "\n" + message);
+}
+
+void forget_end(const Wedge& wedge, int index) {
+  std::error_code none;
+  fs::remove(wedge.state(index, ".json"), none);
 }
 
 void note_end(const Wedge& wedge, int index, int exit_code) {

@@ -39,6 +39,9 @@ int bake_variation(const Wedge&, int index, const std::function<bool()>& stop = 
 /// One line about a variation that came to an end: index, values, exit code or message.
 std::string describe_variation(const Wedge&, int index);
 
+/// Forgets how a variation ended, before it is baked again.
+void forget_end(const Wedge&, int index);
+
 /// Notes the end of a process that was to bake a variation and could not tell itself.
 void note_end(const Wedge&, int index, int exit_code);
 

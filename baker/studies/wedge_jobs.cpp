@@ -33,6 +33,7 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
   make_folder(wedge.output / ".state");
   std::vector<ProcessSpec> processes;
   for (int index = 1; index <= wedge.count(); ++index) {
+    forget_end(wedge, index);
     ProcessSpec process{arguments_of_one(arguments), wedge.state(index, ".log")};
     process.arguments.insert(process.arguments.end(), {"--index", std::to_string(index)});
     // the last find cores free

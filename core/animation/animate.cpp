@@ -26,7 +26,8 @@ void time_work(std::vector<Times>& times, double Times::*what, const Island& she
                const std::function<void()>& work) {
   const double start_ms = cpu_ms();
   work();
-  for (const std::size_t s : sheets) times[s].*what += (cpu_ms() - start_ms) / sheets.size();
+  const double share = (cpu_ms() - start_ms) / sheets.size();
+  for (const std::size_t s : sheets) times[s].*what += share;
 }
 
 /// The elastic step of a frame. Every island takes it by itself first; islands whose sheets would

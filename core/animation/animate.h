@@ -35,6 +35,8 @@ struct AnimateOptions {
   // continues with the frame after that one and gives the same frames as an uninterrupted run.
   // Empty: all frames.
   std::string resume_state;
+  // find out how far a coarse mesh puts a smooth sheet off: FrameStatistics::mesh_error
+  bool checks_mesh = true;
   // Asked before every frame of a rehearsal (rehearsal.h), which nobody sees; may be empty. What it
   // stops throws Error(ErrorCode::stopped).
   std::function<bool()> asks_to_stop;

@@ -77,10 +77,9 @@ Opening play_opening(SheetSimulation& sheet, const AnimateOptions& options, int 
 class OpeningOnMeshes {
  public:
   OpeningOnMeshes(const Shot& shot, const MethodChoice& method, const AnimateOptions& options)
-      : shot_(shot),
-        method_(method),
-        options_(options),
-        found_{0, options.first_frame - 1, false} {}
+      : shot_(shot), method_(method), options_(options), found_{0, options.first_frame - 1, false} {
+    options_.checks_mesh = false;
+  }
 
   Rehearsal operator()() {
     found_.doublings = needed_doublings();
@@ -132,7 +131,7 @@ class OpeningOnMeshes {
 
   const Shot& shot_;
   const MethodChoice& method_;
-  const AnimateOptions& options_;
+  AnimateOptions options_;
   Rehearsal found_;
 };
 

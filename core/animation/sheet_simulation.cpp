@@ -139,6 +139,7 @@ void SheetSimulation::archive(Serializer& a) {
   jam_.archive(a, shot_.colliders.get());
   if (simulated_.plastic_grid) a(*simulated_.plastic_grid);
   folds_.archive(a);
+  mesh_check_.archive(a);
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
@@ -325,6 +326,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   note_outcome();
   if (!now_.is_idle) fold_if_bent(is_admissible);
   note_outcome();
+  if (options_.checks_mesh && !now_.is_idle) check_mesh();
   yielding_ = now_.step.last.plastic_increment > 0 &&
               now_.step.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (now_.step.last.energy_gain > worth_a_note)
@@ -336,6 +338,13 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
       !simulated_.has_inertia() && (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
   handles_.bind_relative_handles(sheet().x, frame_);
+}
+
+void SheetSimulation::check_mesh() {
+  const bool is_free = !outcome_.contact && outcome_.on_colliders == 0 && !touches_others();
+  mesh_check_.look(simulated_, *method_, resting_input_,
+                   rms_deformation(simulated_.positions_before, sheet().x) / simulated_.side,
+                   outcome_.at_minimum && is_free && !simulated_.has_inertia());
 }
 
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
@@ -389,6 +398,8 @@ AnimatedFrame SheetSimulation::report() {
   statistics.energy = now_.step.last.energy;
   statistics.membrane_energy = now_.step.last.membrane;
   statistics.contact = now_.step.last.contact;
+  statistics.doublings = doublings();
+  statistics.mesh_error = mesh_check_.error();
   statistics.touching = now_.step.last.touching;
   statistics.touching_others = now_.step.last.touching_others;
   statistics.on_colliders = now_.step.last.on_colliders;

@@ -4,6 +4,7 @@
 #include "core/animation/collider_jam.h"
 #include "core/animation/fold_search.h"
 #include "core/animation/handle_constraints.h"
+#include "core/animation/mesh_check.h"
 #include "core/animation/mesh_swap.h"
 #include "core/animation/rehearsal.h"
 #include "core/animation/release_trial.h"
@@ -233,6 +234,8 @@ class SheetSimulation {
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();
+  /// Finds out how far its mesh puts the sheet off (mesh_check.h).
+  void check_mesh();
   /// Searches for a lower branch (branch_search.h), and takes it if it is admissible.
   void probe(const AdmissibilityCheck& is_admissible);
 
@@ -249,6 +252,7 @@ class SheetSimulation {
   ReleaseTrial release_;
   FoldSearch folds_;
   CarriedSheet carried_;
+  MeshCheck mesh_check_;
 
   // what a frame knows of the frames before it
   int frame_;  // the last frame that was prepared

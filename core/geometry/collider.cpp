@@ -76,23 +76,13 @@ bool is_closed(const MeshEdges& edges) {
 }  // namespace
 
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
-  frames_ = std::make_shared<const std::vector<Points3>>(std::move(mesh_.frames));
-  mesh_.frames.clear();
   if (is_closed(MeshEdges(mesh_.triangles))) face_outwards(mesh_);
   prepare();
 }
 
-Collider::Collider(const Collider& other, const Points3& x)
-    : mesh_{other.mesh_.name,      x, other.mesh_.triangles, {}, other.mesh_.friction,
-            other.mesh_.paper_side},
-      frames_(other.frames_) {
+Collider::Collider(const Collider& other, const Points3& x) : mesh_(other.mesh_) {
+  mesh_.x = x;
   prepare();
-}
-
-ColliderMesh Collider::mesh_with_frames() const {
-  ColliderMesh mesh = mesh_;
-  mesh.frames = frames();
-  return mesh;
 }
 
 void Collider::prepare() {

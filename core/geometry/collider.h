@@ -13,15 +13,37 @@
 
 namespace paperbake {
 
+/// |V|x3 [m] positions of the vertices of a mesh in every frame. Its copies share them until one of
+/// them changes its own().
+class SharedFrames {
+ public:
+  const std::vector<Points3>& all() const {
+    static const std::vector<Points3> none;
+    return all_ ? *all_ : none;
+  }
+  std::vector<Points3>& own() {
+    if (!all_ || all_.use_count() > 1) all_ = std::make_shared<std::vector<Points3>>(all());
+    return *all_;
+  }
+  bool empty() const { return all().empty(); }
+  std::size_t size() const { return all().size(); }
+  const Points3& operator[](std::size_t k) const { return all()[k]; }
+  const Points3& at(std::size_t k) const { return all().at(k); }
+  auto begin() const { return all().begin(); }
+  auto end() const { return all().end(); }
+
+ private:
+  std::shared_ptr<std::vector<Points3>> all_;  // null: none
+};
+
 /// A triangle mesh that the paper must not penetrate, as read from the scene.
 struct ColliderMesh {
   std::string name;
   // |V|x3 [m] vertex positions in the first frame; no two vertices coincide
   Points3 x;
   Triangles triangles;  // |T|x3 counter-clockwise seen from the front
-  // element f: |V|x3 [m] vertex positions in frame first + f, between which vertices go straight;
-  // empty: the mesh stands still
-  std::vector<Points3> frames;
+  // element f: in frame first + f, between which vertices go straight; empty: the mesh stands still
+  SharedFrames frames;
   double friction = 0.4;  // [1] Coulomb's coefficient of friction; paper on wood has 0.3-0.5
   // where the paper stays, of a closed mesh; `automatic` until face_the_sheet has decided
   enum class PaperSide { automatic, outside, inside } paper_side = PaperSide::automatic;
@@ -49,12 +71,9 @@ class Collider {
   /// The same collider with its vertices elsewhere. x  |V|x3 [m]
   Collider(const Collider&, const Points3& x);
 
-  /// The mesh; x is where its vertices are. `frames` is empty, see frames().
+  /// The mesh; x is where its vertices are.
   const ColliderMesh& mesh() const { return mesh_; }
-  /// ColliderMesh::frames
-  const std::vector<Points3>& frames() const { return *frames_; }
-  /// The mesh with its frames.
-  ColliderMesh mesh_with_frames() const;
+  const std::vector<Points3>& frames() const { return mesh_.frames.all(); }
   bool closed() const { return closed_; }
 
   Vector3d face_normal(int triangle) const { return face_normal_.row(triangle); }
@@ -126,7 +145,6 @@ class Collider {
 
   ColliderMesh mesh_;
   bool closed_ = false;
-  std::shared_ptr<const std::vector<Points3>> frames_;
   double depth_ = 0;
   Points3 face_normal_, vertex_normal_;  // |T|x3, |V|x3
   // [triangle][corner]: pseudo-normal of the edge opposite that corner, and whether it is a border

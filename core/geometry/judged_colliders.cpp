@@ -7,7 +7,7 @@ namespace {
 
 std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   std::vector<ColliderMesh> meshes;
-  for (const Collider& collider : colliders) meshes.push_back(collider.mesh_with_frames());
+  for (const Collider& collider : colliders) meshes.push_back(collider.mesh());
   return meshes;
 }
 
@@ -27,8 +27,7 @@ ColliderPenetration JudgedColliders::deepest(int row, const Points3& x,
   for (std::size_t c = 0; c < now.size(); ++c) {
     if (now[c]) continue;
     const auto& frames = meshes[c].frames;
-    ColliderMesh mesh = {meshes[c].name, {}, meshes[c].triangles, {}};
-    mesh.paper_side = meshes[c].paper_side;
+    ColliderMesh mesh = meshes[c];
     mesh.x = frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
     now[c] = std::make_shared<const ColliderDepth>(mesh);
   }

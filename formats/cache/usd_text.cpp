@@ -3,18 +3,27 @@
 #include "formats/cache/usd_layer.h"
 #include "formats/files/atomic_file.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <iterator>
 #include <map>
+#include <unistd.h>
 
 namespace paperbake::usd {
 namespace {
 
-/// A temporary file of texts.
+/// A file of texts that has no name.
 class Spool {
  public:
-  Spool() : file_(std::tmpfile()) {
+  /// In the folder of another file, where there is room for what it takes up.
+  explicit Spool(const std::filesystem::path& beside) : path_(beside.string() + ".spool") {
+    ::unlink(path_.c_str());
+    const int fd = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    ::unlink(path_.c_str());
+    file_ = fd < 0 ? nullptr : ::fdopen(fd, "wb+");
     if (!file_) fail("created");
   }
   ~Spool() { std::fclose(file_); }
@@ -33,14 +42,14 @@ class Spool {
   }
 
  private:
-  [[noreturn]] static void fail(const char* done) {
-    throw Error(ErrorCode::folder, "temporary files",
-                fmt::format("A temporary file cannot be {}.", done),
-                "Check free space and write permission of the folder for temporary files "
-                "(TMPDIR).");
+  [[noreturn]] void fail(const char* done) const {
+    throw Error(ErrorCode::folder, path_,
+                fmt::format("A temporary file cannot be {}: {}.", done, std::strerror(errno)),
+                "Check free space and write permission of the folder, or choose another folder.");
   }
 
-  std::FILE* file_;
+  std::string path_;
+  std::FILE* file_ = nullptr;
 };
 
 std::string quoted(const std::string& text) {
@@ -87,7 +96,7 @@ std::string text_of(const FloatArray& array) {
 
 class TextEncoder : public Encoder {
  public:
-  explicit TextEncoder(const std::filesystem::path& path) : file_(path) {}
+  explicit TextEncoder(const std::filesystem::path& path) : file_(path), spool_(path) {}
 
   StoredValue store(const Value& value) override {
     const std::string text = std::visit([](const auto& v) { return text_of(v); }, value);

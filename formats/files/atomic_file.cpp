@@ -51,7 +51,7 @@ std::FILE* create_new(const std::filesystem::path& path) {
 AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)), part_(path_), file_(nullptr) {
   // a folder of this name would otherwise be noticed only in commit(), after all the work
-  if (std::filesystem::is_directory(path_)) {
+  if (std::error_code none; std::filesystem::is_directory(path_, none)) {
     errno = EISDIR;
     fail("created");
   }
@@ -99,8 +99,11 @@ void AtomicFile::commit(Sync sync) {
   // opened again by its name: a library may have replaced the file that file_ refers to
   if (sync == Sync::yes) {
     const int fd = ::open(part_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
-    ::close(fd);
+    const bool synced = fd >= 0 && ::fsync(fd) == 0;
+    const int error = errno;
+    if (fd >= 0) ::close(fd);
+    errno = error;
+    if (!synced) fail("written to disk");
   }
   if (std::rename(part_.c_str(), path_.c_str()) != 0) fail("given its name");
   forget_unfinished(part_);

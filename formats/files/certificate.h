@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/model/frame.h"
-#include "core/model/frame_statistics.h"
 #include "core/model/sheet.h"
+#include "formats/files/frame_statistics_table.h"
 
 #include <optional>
 #include <string>

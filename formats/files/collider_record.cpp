@@ -41,7 +41,7 @@ ColliderMesh mesh_of(const Json& json) {
     const std::vector<double> numbers = frame.get<std::vector<double>>();
     if (static_cast<long>(numbers.size()) != mesh.x.size())
       throw Error(ErrorCode::scene, "colliders.json", "A frame does not have all vertices.");
-    mesh.frames.push_back(Eigen::Map<const Points3>(numbers.data(), mesh.x.rows(), 3));
+    mesh.frames.own().push_back(Eigen::Map<const Points3>(numbers.data(), mesh.x.rows(), 3));
   }
   const bool exist = mesh.triangles.size() == 0 ||
                      (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.x.rows());

@@ -24,62 +24,69 @@ constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 constexpr std::uint32_t architecture = 0;  // not known: nothing is filtered
 #endif
 
-/// System calls that are refused, whatever their arguments.
-const std::vector<long> refused = {
+/// The system calls that are allowed: what reading files, computing and answering take. Whatever a
+/// kernel has besides is refused, calls that do not exist yet among it.
+const std::vector<long> allowed = {
 #if defined(__x86_64__)
-    SYS_creat, SYS_unlink, SYS_rename, SYS_mkdir, SYS_rmdir, SYS_link, SYS_symlink, SYS_mknod,
-    SYS_chmod, SYS_chown, SYS_lchown, SYS_utime, SYS_utimes, SYS_futimesat, SYS_fork, SYS_vfork,
+    SYS_stat, SYS_lstat, SYS_access, SYS_readlink, SYS_getdents, SYS_poll, SYS_arch_prctl,
 #endif
-    SYS_unlinkat, SYS_renameat2, SYS_mkdirat, SYS_linkat, SYS_symlinkat, SYS_mknodat, SYS_fchmodat,
-    SYS_fchmod, SYS_fchownat, SYS_fchown, SYS_utimensat, SYS_truncate, SYS_ftruncate, SYS_fallocate,
-    SYS_setxattr, SYS_lsetxattr, SYS_fsetxattr, SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr,
-    SYS_mount, SYS_umount2, SYS_pivot_root, SYS_chroot,
-    // other processes, and programs
-    SYS_clone, SYS_clone3, SYS_execve, SYS_execveat, SYS_kill, SYS_tkill, SYS_ptrace,
-    SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_open, SYS_unshare, SYS_setns,
-    // networks, and ways round this filter
-    SYS_socket, SYS_socketpair, SYS_connect, SYS_bind, SYS_listen, SYS_sendto, SYS_sendmsg,
-    SYS_io_uring_setup, SYS_openat2, SYS_open_by_handle_at, SYS_bpf, SYS_userfaultfd,
-    SYS_perf_event_open, SYS_keyctl, SYS_add_key, SYS_memfd_create};
+    // files that are open, or are opened for reading (see writing_flags)
+    SYS_read, SYS_readv, SYS_pread64, SYS_preadv, SYS_write, SYS_writev, SYS_lseek, SYS_close,
+    SYS_dup, SYS_fcntl, SYS_fstat, SYS_newfstatat, SYS_statx, SYS_faccessat, SYS_readlinkat,
+    SYS_getdents64, SYS_getcwd, SYS_fadvise64, SYS_ppoll,
+#ifdef SYS_faccessat2  // from Linux 5.8
+    SYS_faccessat2,
+#endif
+    // memory
+    SYS_brk, SYS_mmap, SYS_munmap, SYS_mremap, SYS_mprotect, SYS_madvise,
+    // this process: its end, signals, locks, clocks
+    SYS_exit, SYS_exit_group, SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn,
+    SYS_sigaltstack, SYS_restart_syscall, SYS_futex, SYS_sched_yield, SYS_sched_getaffinity,
+    SYS_nanosleep, SYS_clock_nanosleep, SYS_clock_gettime, SYS_gettimeofday, SYS_getrandom,
+    SYS_getpid, SYS_getppid, SYS_gettid, SYS_getuid, SYS_geteuid, SYS_getgid, SYS_getegid,
+    SYS_getrlimit, SYS_getrusage, SYS_times, SYS_uname, SYS_sysinfo};
 
 constexpr std::uint32_t writing_flags =
     O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;  // of open() and openat()
 
 using Filter = std::vector<sock_filter>;
 
-void refuse(Filter& filter) {
-  filter.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM));
+void answer(Filter& filter, std::uint32_t verdict) {
+  filter.push_back(BPF_STMT(BPF_RET | BPF_K, verdict));
 }
+constexpr std::uint32_t refused = SECCOMP_RET_ERRNO | EPERM;
 
-/// Refuses a call when one of its arguments has one of these bits.
-void refuse_flags(Filter& filter, long call, int argument, std::uint32_t flags) {
-  // the lower half of the argument, on little-endian processors
+enum class Test { has_none_of, is };
+/// Allows a call only if the lower half of one of its arguments has none of these bits, or is this.
+void allow_if(Filter& filter, long call, int argument, Test test, std::uint32_t value) {
+  // on little-endian processors
   const auto at = static_cast<std::uint32_t>(offsetof(seccomp_data, args) + 8 * argument);
+  const auto jump =
+      static_cast<unsigned short>(BPF_JMP | BPF_K | (test == Test::is ? BPF_JEQ : BPF_JSET));
   filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, at));
-  filter.push_back(BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, flags, 0, 1));
-  refuse(filter);
-  filter.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  filter.push_back(BPF_JUMP(jump, value, 0, 1));
+  answer(filter, test == Test::is ? SECCOMP_RET_ALLOW : refused);
+  answer(filter, test == Test::is ? refused : SECCOMP_RET_ALLOW);
 }
 
 void filter_system_calls() {
   if (architecture == 0) return;
   Filter filter{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)),
                 BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, architecture, 1, 0)};
-  refuse(filter);
+  answer(filter, refused);
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
 #if defined(__x86_64__)
-  constexpr std::uint32_t other_numbering = 0x40000000;  // calls of the x32 interface
-  filter.push_back(BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, other_numbering, 0, 1));
-  refuse(filter);
-  refuse_flags(filter, SYS_open, 1, writing_flags);
+  allow_if(filter, SYS_open, 1, Test::has_none_of, writing_flags);
 #endif
-  refuse_flags(filter, SYS_openat, 2, writing_flags);
-  for (const long call : refused) {
+  allow_if(filter, SYS_openat, 2, Test::has_none_of, writing_flags);
+  // abort() and raise() send a signal to this process
+  allow_if(filter, SYS_tgkill, 0, Test::is, static_cast<std::uint32_t>(::getpid()));
+  for (const long call : allowed) {
     filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1));
-    refuse(filter);
+    answer(filter, SECCOMP_RET_ALLOW);
   }
-  filter.push_back(BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+  answer(filter, refused);
   const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
   ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 }

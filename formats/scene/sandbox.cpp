@@ -18,10 +18,12 @@ namespace {
 
 constexpr int failed_exit_code = 70;  // when the work throws or its answer cannot be sent
 
-void limit(int resource, rlim_t max) {
+/// grace  added for the hard limit, which the process cannot raise again
+void limit(int resource, rlim_t max, rlim_t grace = 0) {
   rlimit now{};
   if (::getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
   now.rlim_cur = std::min(now.rlim_max, max);
+  now.rlim_max = std::min(now.rlim_max, max + grace);
   ::setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
 }
 
@@ -63,9 +65,10 @@ std::string read_all(int from) {
   for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, SIG_IGN);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, limits.seconds);
+  limit(RLIMIT_CPU, limits.seconds, 1);  // SIGXCPU comes first, and then SIGKILL
   limit(RLIMIT_AS, memory_in_use() + limits.bytes);
-  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) {
+  if (const int nowhere = ::open("/dev/null", O_RDWR); nowhere >= 0) {
+    ::dup2(nowhere, STDIN_FILENO);
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
   }

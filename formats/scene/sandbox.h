@@ -11,8 +11,8 @@ namespace paperbake {
 
 /// Limits of a sandboxed process; exceeding one of them ends it.
 struct SandboxLimits {
-  std::uint64_t bytes = std::uint64_t(2) << 30;  // of memory, in addition to what this process uses
-  unsigned seconds = 10;                         // of CPU time
+  std::uint64_t bytes = 0;  // of memory, in addition to what this process uses
+  unsigned seconds = 0;     // of CPU time
   // the only folders that it may read, with all below; empty: all of them
   std::vector<std::filesystem::path> readable = {};
 };
@@ -30,6 +30,6 @@ struct SandboxResult {
 /// that leaves it counts as a failure.
 /// It cannot write files, reach a network or start programs (confinement.h), and ends with this
 /// process.
-SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits& = {});
+SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits&);
 
 }  // namespace paperbake

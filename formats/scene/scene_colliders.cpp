@@ -159,16 +159,16 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
   for (int frame = scene.first_frame; frame <= scene.last_frame && !found.empty(); ++frame) {
     const auto world = world_at(scene, frame);
     for (std::size_t c = 0; c < found.size(); ++c)
-      colliders[c].frames.push_back(
+      colliders[c].frames.own().push_back(
           rounded(vertices_at(scene, found[c], world, frame)(kept[c], Eigen::all)));
   }
   for (ColliderMesh& collider : colliders) {
     if (std::all_of(collider.frames.begin(), collider.frames.end(), [&](const Points3& x) {
-          return (x - collider.frames.front()).cwiseAbs().maxCoeff() <= unmoved;
+          return (x - collider.frames[0]).cwiseAbs().maxCoeff() <= unmoved;
         }))
-      collider.frames.clear();
+      collider.frames = {};
     else
-      collider.x = collider.frames.front();
+      collider.x = collider.frames[0];
   }
   return colliders;
 }

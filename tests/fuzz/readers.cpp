@@ -169,8 +169,8 @@ Collider rising_table() {
   mesh.triangles.resize(2, 3);
   mesh.triangles << 0, 1, 2, 0, 2, 3;
   for (int frame = 0; frame < 12; ++frame) {
-    mesh.frames.push_back(mesh.x);
-    mesh.frames.back().col(2).array() += 1e-4 * frame;
+    mesh.frames.own().push_back(mesh.x);
+    mesh.frames.own().back().col(2).array() += 1e-4 * frame;
   }
   return Collider(mesh);
 }

@@ -84,6 +84,7 @@ Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStr
     bool definite = matrix_.factorise();
     if (!definite && form == HessianForm::exact) continue;
     for (double shift = 1e-8 * membrane_stiffness_; !definite; shift *= 100) {
+      if (!std::isfinite(shift)) throw EnergyNotFinite();  // nor is the Hessian
       matrix_.shift_diagonal(shift);
       definite = matrix_.factorise();
     }

@@ -280,6 +280,16 @@ TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFin
   EXPECT_TRUE(shapes("polished") == shapes("directly"));
 }
 
+TEST_F(AttemptsTest, SmoothPaperThatItsMeshPutsOffIsBakedOnAFinerOne) {
+  // its triangles are near smooth paper, and yet it is 0.6 % of its side from where it should be
+  const Ended ended = run(shot("S1_push", "out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json attempts = summary("out").at("attempts");
+  ASSERT_TRUE(attempts.is_object());
+  EXPECT_EQ(attempts.at("reason"), "coarse");
+  EXPECT_EQ(attempts.at("baked"), 2);
+}
+
 TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
   const Ended ended = run(crumple("out", {}));
   ASSERT_EQ(ended.code, 0) << ended.err;

@@ -83,12 +83,12 @@ class RenderedFramesTest : public testing::Test {
 
 TEST_F(RenderedFramesTest, AreTakenInOrderAsTheyWereToTheLastBit) {
   {
-    RenderedFrames kept(path, "key");
+    RenderedFrames kept(path, "key", Resume::automatic);
     EXPECT_FALSE(kept.take());
     for (int k : {0, 1}) kept.add(all[k]);
   }
   {
-    RenderedFrames kept(path, "key");
+    RenderedFrames kept(path, "key", Resume::automatic);
     for (int k : {0, 1}) {
       const auto taken = kept.take();
       ASSERT_TRUE(taken);
@@ -97,7 +97,7 @@ TEST_F(RenderedFramesTest, AreTakenInOrderAsTheyWereToTheLastBit) {
     EXPECT_FALSE(kept.take());
     kept.add(all[2]);
   }
-  RenderedFrames kept(path, "key");
+  RenderedFrames kept(path, "key", Resume::automatic);
   std::optional<std::vector<RenderedSheet>> taken;
   for (int k = 0; k < 3; ++k) taken = kept.take();
   ASSERT_TRUE(taken);
@@ -106,32 +106,46 @@ TEST_F(RenderedFramesTest, AreTakenInOrderAsTheyWereToTheLastBit) {
 
 TEST_F(RenderedFramesTest, AnotherKeyOrADamagedEndIsDropped) {
   {
-    RenderedFrames kept(path, "key");
+    RenderedFrames kept(path, "key", Resume::automatic);
     for (int k : {0, 1}) kept.add(all[k]);
   }
   fs::resize_file(path, fs::file_size(path) - 7);
   {
-    RenderedFrames kept(path, "key");
+    RenderedFrames kept(path, "key", Resume::automatic);
     EXPECT_TRUE(kept.take());
     EXPECT_FALSE(kept.take());
     kept.add(all[2]);
   }
   {
-    RenderedFrames kept(path, "key");
+    RenderedFrames kept(path, "key", Resume::automatic);
     EXPECT_TRUE(kept.take());
     const auto after = kept.take();
     ASSERT_TRUE(after);
     EXPECT_EQ(after->front().frame, 3);
   }
-  RenderedFrames other(path, "other");
+  RenderedFrames other(path, "other", Resume::automatic);
   EXPECT_FALSE(other.take());
+}
+
+TEST_F(RenderedFramesTest, NothingIsTakenByABakeThatDoesNotResume) {
+  RenderedFrames(path, "key", Resume::automatic).add(all[0]);
+  EXPECT_FALSE(RenderedFrames(path, "key", Resume::never).take());
+}
+
+TEST_F(RenderedFramesTest, AnEntryThatIsLargerThanAnyMemoryIsDropped) {
+  std::ofstream(path, std::ios::binary) << std::string(64, '\xff');
+  RenderedFrames kept(path, "key", Resume::automatic);
+  EXPECT_FALSE(kept.take());
+  kept.add(all[0]);
+  RenderedFrames again(path, "key", Resume::automatic);
+  EXPECT_TRUE(again.take());
 }
 
 TEST_F(RenderedFramesTest, ALinkIsNotFollowed) {
   const fs::path precious = test::own_folder() / "precious";
   std::ofstream(precious) << "mine";
   fs::create_symlink(precious, path);
-  RenderedFrames(path, "key").add(all[0]);
+  RenderedFrames(path, "key", Resume::automatic).add(all[0]);
   EXPECT_EQ(fs::file_size(precious), 4u);
   EXPECT_FALSE(fs::is_symlink(path));
 }

@@ -2,6 +2,7 @@
 
 #include "baker/bake/sheet_recorder.h"
 
+#include "baker/job/input_hash.h"
 #include "formats/cache/alembic_reader.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -41,6 +42,7 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   plan.presets = {"copy70"};
   plan.start_hash = {""};
   plan.frames = {1, 6, 1};
+  hash_frames(plan);
   const double dt = 1 / plan.animation.fps;
   BakeFiles files(folder);
   BakeCertificate certificate(plan);

@@ -35,9 +35,9 @@ Shot moved(Shot shot, const Eigen::RowVector3d& by) {
   if (!shot.colliders) return shot;
   Colliders colliders;
   for (const Collider& collider : *shot.colliders) {
-    ColliderMesh mesh = collider.mesh_with_frames();
+    ColliderMesh mesh = collider.mesh();
     mesh.x.rowwise() += by;
-    for (Points3& x : mesh.frames) x.rowwise() += by;
+    for (Points3& x : mesh.frames.own()) x.rowwise() += by;
     colliders.emplace_back(std::move(mesh));
   }
   shot.colliders = std::make_shared<const Colliders>(std::move(colliders));

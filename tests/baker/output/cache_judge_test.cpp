@@ -59,7 +59,7 @@ TEST(CacheJudge, CollidersAreWhereTheyAreInThatFrame) {
   plate.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4,
       6, 0, 6, 2, 1, 3, 7, 1, 7, 5;
   for (const double up : {0.0, 0.005, 0.012, 0.02})
-    plate.frames.push_back(plate.x.rowwise() + Eigen::RowVector3d(0, 0, up));
+    plate.frames.own().push_back(plate.x.rowwise() + Eigen::RowVector3d(0, 0, up));
   const Sheet sheet = test::hex_sheet(side, side, 30);
   const CacheJudge judge =
       judge_of(sheet, std::make_shared<const JudgedColliders>(std::vector<ColliderMesh>{plate}));

@@ -1,5 +1,7 @@
 #include "baker/output/checkpoints.h"
 
+#include "baker/job/input_hash.h"
+#include "formats/files/frame_statistics_table.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
@@ -23,6 +25,7 @@ class CheckpointsTest : public testing::Test {
     plan.shots = {test::blank_shot(test::rectangle(0.1, 0.1))};
     plan.simulation_hash = "of this simulation";
     plan.animation.last_frame = 2;
+    hash_frames(plan);
   }
   void TearDown() override { fs::remove_all(folder); }
 
@@ -86,14 +89,17 @@ TEST_F(CheckpointsTest, FramesThatHaveLookedAheadAreUsedWhileTheKeysThatTheySawA
   plan.shots[0].handles.resize(1);
   Points3& keyed = plan.shots[0].handles[0].keyed;
   keyed.setZero(8, 3);
+  hash_frames(plan);
   for (const int keys_until : {2, 5}) {
     keep({}, {}, keys_until);
     ASSERT_EQ(load().size(), 2u);
     for (const int moved : {2, 3, 5, 6}) {
       keyed(moved - 1, 2) = 0.01;
+      hash_frames(plan);
       EXPECT_EQ(load().size(), moved > keys_until ? 2u : 0u)
           << "seen until " << keys_until << ", the key of frame " << moved;
       keyed(moved - 1, 2) = 0;
+      hash_frames(plan);
     }
   }
 }

@@ -1,11 +1,13 @@
 // What is left of the bake before in an output folder.
 
+#include "baker/output/file_hash.h"
 #include "tests/baker/program_fixture.h"
 #include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 
@@ -53,6 +55,21 @@ TEST_F(StaleFilesTest, ASecondBakeRemovesWhatOnlyTheFirstWroteAndNothingElse) {
                          "cert/summary.json", "job.lock.toml", "maps/S4_crumple.0007.exr",
                          "notes.txt", "report.html", "singular.csv"}));
   EXPECT_EQ(run({"verify", output()}).code, 0);
+}
+
+TEST_F(StaleFilesTest, ALineOfTheListDoesNotReachOutsideTheFolder) {
+  const fs::path out = output(), beside = out.parent_path() / "victim.abc",
+                 pictures = out.parent_path() / "pictures";
+  bake_as({"--formats", "abc,cert", "--debug-pictures", pictures.string()});
+  const fs::path picture = pictures / "S4_crumple.0001.png";
+  ASSERT_TRUE(fs::exists(picture));
+  write(beside, "of somebody else");
+  const std::string key = file_hash(beside);
+  std::ofstream(out / ".state/written", std::ios::app) << key << " ../victim.abc\n"
+                                                       << key << ' ' << beside.string() << '\n';
+  bake_as({"--formats", "abc,cert", "--frames", "1-1"});
+  EXPECT_TRUE(fs::exists(beside));
+  EXPECT_TRUE(fs::exists(picture)) << "of another folder, into which this bake does not write";
 }
 
 TEST_F(StaleFilesTest, ABakeIntoOneUsdLayerRemovesTheLayersOfTheBakeBefore) {

@@ -28,7 +28,7 @@ ColliderMesh moving_box(const Vector3d& size, const Vector3d& from, const Vector
       0, 6, 2, 1, 3, 7, 1, 7, 5;
   for (int f = 0; f < frames; ++f) {
     const double t = f / 47.0, share = t * t * t * (10 - 15 * t + 6 * t * t);
-    box.frames.push_back(box.x.rowwise() + share * (to - from).transpose());
+    box.frames.own().push_back(box.x.rowwise() + share * (to - from).transpose());
   }
   return box;
 }

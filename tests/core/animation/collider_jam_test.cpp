@@ -22,8 +22,8 @@ Colliders falling() {
   mesh.triangles.resize(1, 3);
   mesh.triangles << 0, 1, 2;
   for (int f = 0; f < 3; ++f) {
-    mesh.frames.push_back(mesh.x);
-    mesh.frames.back().col(2).array() -= 0.01 * f;
+    mesh.frames.own().push_back(mesh.x);
+    mesh.frames.own().back().col(2).array() -= 0.01 * f;
   }
   return {Collider(mesh)};
 }
@@ -75,8 +75,8 @@ std::vector<Shot> pressed_by_finger(int sheets, int frames, double speed = 0.001
   finger.x << 0, 0, 0.001, 0.01, 0, 0.04, -0.005, 0.008, 0.04, -0.005, -0.008, 0.04;
   finger.triangles << 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2;
   for (int f = 0; f < frames; ++f) {
-    finger.frames.push_back(finger.x);
-    finger.frames.back().col(2).array() -= speed * f;
+    finger.frames.own().push_back(finger.x);
+    finger.frames.own().back().col(2).array() -= speed * f;
   }
   const auto colliders =
       std::make_shared<const Colliders>(Colliders{Collider(table), Collider(finger)});

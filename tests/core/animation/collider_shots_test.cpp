@@ -127,8 +127,8 @@ TEST(ColliderShotsTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   shot.start.x.col(2).array() += 6e-4;
   ColliderMesh pusher = box({-0.03, 0.01, 1e-4}, {-0.005, 0.04, 0.02});
   for (int f = 0; f < frames; ++f) {
-    pusher.frames.push_back(pusher.x);
-    pusher.frames.back().col(0).array() += 0.03 * std::min(1.0, f / 20.0);
+    pusher.frames.own().push_back(pusher.x);
+    pusher.frames.own().back().col(0).array() += 0.03 * std::min(1.0, f / 20.0);
   }
   shot.colliders = all({ground(), pusher});
   AnimateOptions options;
@@ -163,9 +163,9 @@ TEST(ColliderShotsTest, AColliderThatGrowsLiftsTheSheet) {
   ColliderMesh balloon = box({0.03, 0.03, -0.01}, {0.07, 0.07, 0.01});
   const Points3 x = balloon.x;
   for (int f = 0; f < frames; ++f) {  // it grows upwards, to a height of 4 cm
-    balloon.frames.push_back(x);
+    balloon.frames.own().push_back(x);
     for (int v = 0; v < x.rows(); ++v)
-      if (x(v, 2) > 0) balloon.frames.back()(v, 2) += 0.03 * f / (frames - 1);
+      if (x(v, 2) > 0) balloon.frames.own().back()(v, 2) += 0.03 * f / (frames - 1);
   }
   shot.colliders = all({balloon});
   AnimateOptions options;
@@ -186,7 +186,7 @@ TEST(ColliderShotsTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
   ColliderMesh rod = box({0.048, 0.03, 0.003}, {0.052, 0.07, 0.1});  // 4 mm, upright
   const Points3 x = rod.x;
   for (int f = 0; f < frames; ++f)  // down at 0.2 m/s
-    rod.frames.push_back(x.rowwise() - Eigen::RowVector3d(0, 0, 0.2 / 24 * std::min(f, 6)));
+    rod.frames.own().push_back(x.rowwise() - Eigen::RowVector3d(0, 0, 0.2 / 24 * std::min(f, 6)));
   shot.colliders = all({rod});
   AnimateOptions options;
   options.last_frame = frames;
@@ -206,7 +206,7 @@ Shot in_cage(int frames, const std::function<double(int)>& size) {
   shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
   ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
   const Points3 x = cage.x;
-  for (int f = 1; f <= frames; ++f) cage.frames.push_back(x * size(f));
+  for (int f = 1; f <= frames; ++f) cage.frames.own().push_back(x * size(f));
   shot.colliders = facing_colliders({cage}, shot.start.x, {});
   return shot;
 }
@@ -275,8 +275,8 @@ TEST(ColliderShotsTest, AFlapThatAPlatePressesShutClosesToItsOwnSide) {
   ColliderMesh plate = box({-0.02, -0.02, top + 0.01}, {0.16, 0.09, top + 0.03});
   for (int f = 0; f < frames; ++f) {
     const double t = f / (frames - 1.0);
-    plate.frames.push_back(plate.x);
-    plate.frames.back().col(2).array() -= (top + 0.003) * t * t * (3 - 2 * t);
+    plate.frames.own().push_back(plate.x);
+    plate.frames.own().back().col(2).array() -= (top + 0.003) * t * t * (3 - 2 * t);
   }
   shot.colliders = all({box({-0.3, -0.3, -0.02}, {0.4, 0.4, 0}), plate});
   AnimateOptions options;

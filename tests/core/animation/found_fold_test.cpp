@@ -131,8 +131,8 @@ Shot pressed_page(double size, double speed = 1, std::vector<double> held = {0, 
   ColliderMesh press =
       box("press", {-0.01, 0.06 * size, above}, {width + 0.01, 0.17 * size, above + 0.015});
   for (int f = 0; f < frames; ++f) {
-    press.frames.push_back(press.x);
-    press.frames.back().col(2).array() -= (above - 0.0025) * eased((f * speed - 39) / 32);
+    press.frames.own().push_back(press.x);
+    press.frames.own().back().col(2).array() -= (above - 0.0025) * eased((f * speed - 39) / 32);
   }
   shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(table), Collider(press)});
   return shot;

@@ -116,7 +116,7 @@ TEST(InertiaTest, AHangingSheetThatAColliderStrikesSwings) {
     ball.triangles << 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3;
     if (!each_frame.isZero())
       for (int f = 0; f < 24; ++f)
-        ball.frames.emplace_back(ball.x.rowwise() + f * each_frame.transpose());
+        ball.frames.own().emplace_back(ball.x.rowwise() + f * each_frame.transpose());
     shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(ball)});
     return need_of_inertia(shot, {g}, 24, 0, 23);
   };
@@ -136,8 +136,8 @@ std::shared_ptr<const Colliders> drawn_table(int frames) {
   table.triangles << 0, 1, 2, 0, 2, 3;
   table.friction = 0.4;
   for (int f = 0; f < frames; ++f)
-    table.frames.emplace_back(table.x.rowwise() + std::clamp((f - 60) / 12.0, 0.0, 1.0) *
-                                                      Eigen::RowVector3d(0.01, 0, 0));
+    table.frames.own().emplace_back(table.x.rowwise() + std::clamp((f - 60) / 12.0, 0.0, 1.0) *
+                                                            Eigen::RowVector3d(0.01, 0, 0));
   return std::make_shared<const Colliders>(Colliders{Collider(table)});
 }
 

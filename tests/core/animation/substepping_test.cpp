@@ -34,10 +34,10 @@ Shot on_a_tray(bool moves_tray, bool moves_handles) {
   tray.x << -0.03, -0.03, -0.0005, 0.03, -0.03, -0.0005, 0.03, 0.03, -0.0005, -0.03, 0.03, -0.0005;
   tray.triangles << 0, 1, 2, 0, 2, 3;
   for (int f = 0; f < frames; ++f) {
-    tray.frames.push_back(tray.x);
+    tray.frames.own().push_back(tray.x);
     if (moves_tray)
       for (int v = 0; v < 4; ++v)
-        tray.frames.back().row(v) = carried(f) * Vector3d(tray.x.row(v).transpose());
+        tray.frames.own().back().row(v) = carried(f) * Vector3d(tray.x.row(v).transpose());
   }
   shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(tray)});
   return shot;

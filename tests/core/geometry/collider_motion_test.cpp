@@ -15,8 +15,8 @@ using test::ground;
 TEST(ColliderMotionTest, AFrameGoesOnFromTheShapesOfTheFrameBefore) {
   ColliderMesh moving = box({-0.01, -0.01, 0}, {0.01, 0.01, 0.02});
   for (const double height : {0.0, 0.003, 0.003, 0.004}) {
-    moving.frames.push_back(moving.x);
-    moving.frames.back().col(2).array() += height;
+    moving.frames.own().push_back(moving.x);
+    moving.frames.own().back().col(2).array() += height;
   }
   const auto colliders = all({ground(), moving});
   ColliderShapes before = shapes_at(*colliders, 0);

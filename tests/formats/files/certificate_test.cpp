@@ -1,6 +1,7 @@
 #include "formats/files/certificate.h"
 
 #include "core/model/error.h"
+#include "formats/files/frame_statistics_table.h"
 #include "tests/formats/files/frame_keys.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@ ColliderRecord two_sheets_over_a_moving_plane() {
   ColliderMesh plane{"ground \"A\"", Points3(4, 3), Triangles(2, 3), {}};
   plane.x << -0.5, -0.5, 0.1 / 3, 0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, 0.5, 0;
   plane.triangles << 0, 1, 2, 0, 2, 3;
-  plane.frames = {plane.x, (plane.x / 7).rowwise() + Eigen::RowVector3d(1e-17, 1.0 / 7, -3)};
+  plane.frames.own() = {plane.x, (plane.x / 7).rowwise() + Eigen::RowVector3d(1e-17, 1.0 / 7, -3)};
   ColliderRecord record;
   record.first_frame = 10;
   record.of_sheet["above"] = {plane, plane};

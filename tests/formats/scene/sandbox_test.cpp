@@ -15,25 +15,31 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
 namespace {
 
+const SandboxLimits usual{std::uint64_t(1) << 30, 10};
+
+SandboxResult run(const std::function<std::string()>& work) { return run_sandboxed(work, usual); }
+
 TEST(Sandbox, ReturnsAllBytes) {
   std::string all;
   // many times the capacity of a pipe
   for (unsigned i = 0; i < 3000000; ++i) all += static_cast<char>(i * i % 251);
-  EXPECT_EQ(run_sandboxed([&] { return all; }).bytes, all);
-  EXPECT_EQ(run_sandboxed([] { return std::string(); }).bytes, "");
+  EXPECT_EQ(run([&] { return all; }).bytes, all);
+  EXPECT_EQ(run([] { return std::string(); }).bytes, "");
 }
 
 TEST(Sandbox, DoesNotChangeThisProcess) {
   int touched = 0;
-  run_sandboxed([&] {
+  run([&] {
     ++touched;
     return std::string();
   });
@@ -41,18 +47,17 @@ TEST(Sandbox, DoesNotChangeThisProcess) {
 }
 
 TEST(Sandbox, ReportsHowTheWorkEndedWhenItFailed) {
-  const SandboxResult crashed = run_sandboxed([]() -> std::string {
+  const SandboxResult crashed = run([]() -> std::string {
     std::raise(SIGSEGV);
     return "after";
   });
   EXPECT_FALSE(crashed.bytes);
   EXPECT_EQ(crashed.ended, "crashed (Segmentation fault)");
-  const SandboxResult threw =
-      run_sandboxed([]() -> std::string { throw std::runtime_error("foreign"); });
+  const SandboxResult threw = run([]() -> std::string { throw std::runtime_error("foreign"); });
   EXPECT_FALSE(threw.bytes);
   EXPECT_EQ(threw.ended, "failed");
   // exit code 0 without an answer is a failure
-  const SandboxResult left = run_sandboxed([]() -> std::string { std::_Exit(0); });
+  const SandboxResult left = run([]() -> std::string { std::_Exit(0); });
   EXPECT_FALSE(left.bytes);
 }
 
@@ -77,7 +82,7 @@ TEST(Sandbox, EndsWorkThatExceedsItsLimits) {
 
 /// What an attempt does in a sandboxed process that may read one folder.
 int error_of_attempt(const std::function<long()>& attempt, const std::filesystem::path& readable) {
-  SandboxLimits limits;
+  SandboxLimits limits = usual;
   limits.readable = {readable};
   const SandboxResult result = run_sandboxed(
       [&] {
@@ -110,10 +115,31 @@ TEST(Sandbox, CannotWriteConnectOrStartAnything) {
   if (syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0) {
     EXPECT_EQ(of([&] { return open(outside.c_str(), O_RDONLY); }), EACCES);
   }
-  EXPECT_EQ(
-      run_sandboxed([&] { return std::to_string(open(outside.c_str(), O_RDONLY) >= 0); }).bytes,
-      "1")
+  EXPECT_EQ(run([&] { return std::to_string(open(outside.c_str(), O_RDONLY) >= 0); }).bytes, "1")
       << "without a folder everything may be read";
+}
+
+TEST(Sandbox, AllowsNoSystemCallThatChangesAnythingOutsideIt) {
+  const std::filesystem::path folder = test::own_folder();
+  std::ofstream(folder / "a") << "bytes";
+  const std::string a = folder / "a", b = folder / "b";
+  siginfo_t info{};
+  const rlimit high{RLIM_INFINITY, RLIM_INFINITY};
+  const pid_t parent = getpid();
+  // calls that libc does not make, or makes under another number
+  const std::vector<std::pair<const char*, std::function<long()>>> calls = {
+      {"renameat", [&] { return syscall(SYS_renameat, AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str()); }},
+      {"fchmodat2", [&] { return syscall(452, AT_FDCWD, a.c_str(), 0777, 0); }},
+      {"rt_sigqueueinfo", [&] { return syscall(SYS_rt_sigqueueinfo, parent, 0, &info); }},
+      {"tgkill", [&] { return syscall(SYS_tgkill, parent, parent, 0); }},
+      {"pidfd_open", [&] { return syscall(434, parent, 0); }},
+      {"prlimit64", [&] { return syscall(SYS_prlimit64, 0, RLIMIT_CPU, &high, nullptr); }},
+      {"ioctl", [] { return syscall(SYS_ioctl, 0, 0x5412, ""); }},
+      {"setpriority", [&] { return syscall(SYS_setpriority, 0, parent, 19); }},
+      {"mq_open", [] { return syscall(SYS_mq_open, "q", O_CREAT, 0600, nullptr); }},
+      {"a call of later kernels", [] { return syscall(9999); }}};
+  for (const auto& [name, attempt] : calls)
+    EXPECT_EQ(error_of_attempt(attempt, folder), EPERM) << name;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/model/frame_statistics.h"
+#include "formats/files/frame_statistics_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,46 @@
+#include "core/animation/mesh_check.h"
+
+#include "core/geometry/mesh_transfer.h"
+
+#include <cmath>
+#include <utility>
+
+namespace paperbake {
+
+std::optional<double> distance_from_finer_mesh(const SimulatedSheet& simulated,
+                                               const Method& method, const StepInput& at) {
+  constexpr int refinement = 4;
+  // [triangles] As many take as long as the frames between two checks.
+  constexpr int most = 1500;
+  constexpr double dt = 1;  // [s] so long that the inertia term holds nothing back
+  std::optional<PatternMesh> mesh =
+      method.mesh_with_creases(simulated.shot.pattern, required_points(simulated.shot), refinement);
+  if (!mesh || mesh->triangles.rows() > most) return std::nullopt;
+  const Sheet& sheet = simulated.sheet;
+  Sheet finer;
+  finer.x = MeshTransfer(sheet.pattern, sheet.triangles, mesh->vertices)(sheet.x);
+  finer.v = Points3::Zero(finer.x.rows(), 3);
+  finer.pattern = std::move(mesh->vertices);
+  finer.triangles = std::move(mesh->triangles);
+  Elastic elastic = simulated.elastic.on_mesh(finer, disc_factors(finer, simulated.shot));
+  const ElasticReport report = elastic.relax(finer, at, dt, Relaxation::full);
+  if (!report.converged || report.contact) return std::nullopt;
+  const Points3 there = MeshTransfer(finer.pattern, finer.triangles, sheet.pattern)(finer.x);
+  return std::sqrt((there - sheet.x).rowwise().squaredNorm().mean()) / simulated.side;
+}
+
+void MeshCheck::look(const SimulatedSheet& simulated, const Method& method, const StepInput& at,
+                     double deformation, bool is_at_rest) {
+  constexpr double deformation_of_check = 0.05;  // [1] of the longer side
+  deformed_ += deformation;
+  if (!is_at_rest || !simulated.is_smooth()) {
+    error_ = 0;
+    deformed_ = deformation_of_check;
+    return;
+  }
+  if (deformed_ < deformation_of_check) return;
+  deformed_ = 0;
+  error_ = distance_from_finer_mesh(simulated, method, at).value_or(0);
+}
+
+}  // namespace paperbake
