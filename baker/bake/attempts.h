@@ -25,8 +25,8 @@ namespace paperbake {
 /// tenth of the frames. By how much is the larger of two numbers: how far the sheet is from where
 /// it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame), and how far
 /// its triangles are from smooth paper (rms_sagitta). Where all handles hold and the mesh may be
-/// too coarse, the shot is simulated once more on a first mesh of four times as many triangles, with
-/// the seed of the bake, until a sheet crumples there. If none does and the handles hold, this
+/// too coarse, the shot is simulated once more on a first mesh of four times as many triangles,
+/// with the seed of the bake, until a sheet crumples there. If none does and the handles hold, this
 /// attempt is baked. A shot whose first mesh a rehearsal has made finer is not doubted in this way.
 /// Nor is one that is baked in part: its frames would depend on which part that is, and a message
 /// says that the whole shot may come out otherwise.
