@@ -219,7 +219,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   if (first && lacks_triangles_)
     add_note(
         "in a rehearsal it did not bend on the finest first mesh that it may have: "
-        "--triangles allows more");
+        "allow it more triangles");
   now_.singular_before = sheet.singular.size();
   now_.max_motion =
       max_displacement(sheet, now_.input, resting_input_.constraints, simulated_.positions_before);

@@ -11,6 +11,10 @@ namespace {
 constexpr double spacing = 0.66;  // [edges] largest distance of neighbouring points of a crease
 // [edges] distance that the points of a crease keep from a border along which it runs
 constexpr double from_border = 0.15;
+// [edges] how far a point of another crease may lie beside a crease that goes through it. Where
+// creases fan out from a singular point, farther ones would lead it along its neighbour, and sharp
+// folds would cut through triangles.
+constexpr double beside_line = 0.1;
 
 /// Where segment a crosses segment b: fraction of a in (0, 1); negative: nowhere.
 double crossing(const CreaseSegment& a, const CreaseSegment& b) {
@@ -87,7 +91,11 @@ std::vector<int> lay(const CreaseSegment& crease, const std::vector<CreaseSegmen
       if (!end && sites.nearest(p) < 0) return;
       if (end) p = border;
     }
-    row.push_back(sites.nearest_or_new(p));
+    const int known = sites.nearest(p);
+    if (!end && known >= 0 &&
+        distance_to_segment(sites.points[known], crease.a, crease.b) > beside_line * edge)
+      return;
+    row.push_back(known >= 0 ? known : sites.add(p));
   };
   put(0, true);
   for (std::size_t k = 0; k + 1 < stops.size(); ++k) {

@@ -154,7 +154,7 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
   if (!found_mesh)
     throw Error(ErrorCode::simulation, "render mesh",
                 "Some points and creases of the sheet are too near to each other or to its border.",
-                "Bake with another --seed.");
+                "With another seed they lie elsewhere.");
   PatternMesh& mesh = *found_mesh;
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
   for (const int site : site_of_point)

@@ -170,6 +170,27 @@ TEST(RenderMeshTest, ACreaseThatMeetsTheBorderAtASmallAngleIsComplete) {
   }
 }
 
+TEST(RenderMeshTest, CreasesThatFanOutFromAPointBeginOnTheirOwnLines) {
+  const double edge = 0.002;
+  const Vector2d tip(0.05, 0.05);
+  for (const double apart : {0.35, 0.45, 0.6}) {  // [rad]
+    RenderFeatures features{{tip}, {}};
+    for (const double angle : {0.2, 0.2 + apart, 0.2 + 2 * apart})
+      features.creases.push_back({tip, tip + 0.04 * Vector2d(std::cos(angle), std::sin(angle))});
+    const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), edge, features);
+    EXPECT_NEAR(length_of(mesh), 3 * 0.04, 1e-3 * 0.04) << apart;
+    for (const auto& [a, b] : mesh.creases) {
+      double off = 1;  // of both ends from one line
+      for (const CreaseSegment& line : features.creases) {
+        const double ends[] = {distance_to_segment(mesh.pattern.row(a), line.a, line.b),
+                               distance_to_segment(mesh.pattern.row(b), line.a, line.b)};
+        off = std::min(off, std::max(ends[0], ends[1]));
+      }
+      EXPECT_LT(off, 0.1 * edge) << apart << ": a fold would cut through triangles";
+    }
+  }
+}
+
 TEST(RenderMeshTest, ManyCreasesMakeNoNeedles) {
   RenderFeatures features;
   for (int k = 0; k < 60; ++k) {
