@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -98,17 +99,42 @@ class Serializer {
   }
   template <class T>
   void field(std::vector<T>& items) {
-    constexpr bool plain = std::is_arithmetic_v<T>;
-    items.resize(count(items.size(), plain ? sizeof(T) : 1));
-    if constexpr (plain)
+    if constexpr (std::is_arithmetic_v<T>) {
+      items.resize(count(items.size(), sizeof(T)));
       raw(items.data(), sizeof(T) * items.size());
-    else
-      for (T& item : items) field(item);
+    } else {
+      one_by_one(items);
+    }
   }
   template <class T>
   void field(std::deque<T>& items) {
-    items.resize(count(items.size(), 1));
-    for (T& item : items) field(item);
+    one_by_one(items);
+  }
+  /// Items of any size in memory: they are made as they are read, so that a wrong number of them
+  /// takes up no more than the bytes are worth.
+  template <class Items>
+  void one_by_one(Items& items) {
+    std::size_t n = count(items.size(), 1);
+    if (!reads_)
+      for (auto& item : items) field(item);
+    else
+      for (items.clear(); n > 0; --n) field(items.emplace_back());
+  }
+  template <class Name, class Value>
+  void field(std::map<Name, Value>& items) {
+    std::size_t n = count(items.size(), 1);
+    if (!reads_)
+      for (auto& [name, value] : items) {
+        Name copy = name;
+        field(copy);
+        field(value);
+      }
+    else
+      for (items.clear(); n > 0; --n) {
+        Name name{};
+        field(name);
+        field(items[name]);
+      }
   }
   template <class A, class B>
   void field(std::pair<A, B>& both) {

@@ -1,242 +1,77 @@
 #include "formats/scene/import_serialization.h"
 
+#include "core/model/serializer.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
 
 namespace paperbake {
+
+static void archive(Serializer& a, Eigen::Affine3d& t) { a(t.matrix()); }
+static void archive(Serializer& a, Eigen::Quaterniond& q) { a(q.coeffs()); }
+
+template <class Value>
+static void archive(Serializer& a, Key<Value>& key) {
+  a(key.time, key.value);
+}
+
+template <class Value>
+static void archive(Serializer& a, Tangents<Value>& tangents) {
+  a(tangents.in, tangents.out);
+}
+
+template <class Value>
+static void archive(Serializer& a, Track<Value>& track) {
+  a(track.keys, track.tangents, track.interpolation);
+}
+
+static void archive(Serializer& a, Motion& motion) {
+  a(motion.translation, motion.scale, motion.rotation, motion.key_times);
+}
+
+static void archive(Serializer& a, PropertyValue& value) {
+  auto kind = static_cast<std::uint8_t>(value.index());
+  a(kind);
+  if (a.reads() && kind == 0) value.emplace<double>();
+  if (a.reads() && kind == 1) value.emplace<std::string>();
+  if (a.reads() && kind == 2) value.emplace<std::vector<double>>();
+  a.require(kind == value.index());
+  std::visit([&](auto& alternative) { a(alternative); }, value);
+}
+
+static void archive(Serializer& a, ImportedNode& n) {
+  a(n.name, n.parent, n.local, n.scale, n.own_scale, n.scale_from, n.pivot, n.offsets_mesh_only,
+    n.meshes, n.properties);
+}
+
+static void archive(Serializer& a, AuthoredAttribute& attribute) {
+  auto kind = static_cast<std::uint8_t>(attribute.kind);
+  a(attribute.name, kind, attribute.values);
+  attribute.kind = static_cast<AttributeKind>(kind);
+}
+
+static void archive(Serializer& a, Skin& s) { a(s.bones, s.to_bone, s.influences, s.weights); }
+
+static void archive(Serializer& a, ImportedMesh& m) {
+  a(m.x, m.attributes, m.triangles, m.materials, m.material_of, m.creases, m.deformed,
+    m.not_followed, m.skin, m.targets, m.target_weights);
+}
+
+static void archive(Serializer& a, Take& t) { a(t.name, t.begin, t.end, t.motions, t.shapes); }
+
+static void archive(Serializer& a, ImportedFile& f) {
+  a(f.fbx, f.start_lost, f.reader, f.warnings, f.nodes, f.meshes, f.takes, f.unit, f.fps, f.to_z_up,
+    f.up_axis);
+}
+
+static void archive(Serializer& a, ImportResult& r) { a(r.file, r.place, r.cause, r.remedy); }
+
 namespace {
 
 [[noreturn]] void refuse(const char* what) { throw std::runtime_error(what); }
-
-// The functions `field` define the format once for both directions: with a Writer as stream they
-// append a value to the bytes, with a Reader they read it back.
-struct Writer {
-  static constexpr bool reads = false;
-  std::string bytes;
-  void raw(const void* value, std::size_t size) {
-    bytes.append(static_cast<const char*>(value), size);
-  }
-};
-
-struct Reader {
-  static constexpr bool reads = true;
-  std::string_view rest;
-  void raw(void* value, std::size_t size) {
-    if (size > rest.size()) refuse("the data of the import is cut short");
-    if (size > 0) std::memcpy(value, rest.data(), size);
-    rest.remove_prefix(size);
-  }
-};
-
-template <class Stream, class Number>
-std::enable_if_t<std::is_arithmetic_v<Number>> field(Stream& stream, Number& value) {
-  stream.raw(&value, sizeof value);
-}
-
-template <class Stream>
-void field(Stream& stream, bool& value) {
-  std::uint8_t byte = value;
-  field(stream, byte);
-  value = byte != 0;
-}
-
-/// The number of elements that follow. A Reader refuses more than there are bytes for.
-template <class Stream>
-std::uint64_t count_field(Stream& stream, std::uint64_t count, std::size_t bytes_each) {
-  field(stream, count);
-  if constexpr (Stream::reads)
-    if (count > stream.rest.size() / bytes_each) refuse("a list is longer than the data");
-  return count;
-}
-
-template <class Stream>
-void field(Stream& stream, std::string& text) {
-  text.resize(count_field(stream, text.size(), 1));
-  stream.raw(text.data(), text.size());
-}
-
-template <class Stream, class Value>
-void field(Stream& stream, std::vector<Value>& list) {
-  std::uint64_t count = count_field(stream, list.size(), 1);
-  if constexpr (Stream::reads)
-    for (list.clear(); count > 0; --count) field(stream, list.emplace_back());
-  else
-    for (Value& value : list) field(stream, value);
-}
-
-template <class Stream, class Name, class Value>
-void field(Stream& stream, std::map<Name, Value>& map) {
-  std::uint64_t count = count_field(stream, map.size(), 1);
-  if constexpr (Stream::reads)
-    for (map.clear(); count > 0; --count) {
-      Name name{};
-      field(stream, name);
-      field(stream, map[name]);
-    }
-  else
-    for (auto& [name, value] : map) {
-      Name copy = name;
-      field(stream, copy);
-      field(stream, value);
-    }
-}
-
-template <class Stream, class Scalar, int Rows, int Columns, int Order>
-void field(Stream& stream, Eigen::Matrix<Scalar, Rows, Columns, Order>& m) {
-  if constexpr (Rows == Eigen::Dynamic)
-    m.resize(static_cast<Eigen::Index>(count_field(stream, m.rows(), Columns * sizeof(Scalar))),
-             Columns);
-  stream.raw(m.data(), m.size() * sizeof(Scalar));
-}
-
-template <class Stream>
-void field(Stream& stream, AttributeValues& m) {
-  auto columns = static_cast<std::uint8_t>(m.cols());
-  field(stream, columns);
-  if constexpr (Stream::reads)
-    if (columns < 1 || columns > AttributeValues::MaxColsAtCompileTime)
-      refuse("an attribute does not have one to four numbers for each vertex");
-  const std::uint64_t rows = count_field(stream, m.rows(), columns * sizeof(double));
-  m.resize(static_cast<Eigen::Index>(rows), columns);
-  stream.raw(m.data(), m.size() * sizeof(double));
-}
-
-template <class Stream>
-void field(Stream& stream, Eigen::Affine3d& t) {
-  field(stream, t.matrix());
-}
-
-template <class Stream>
-void field(Stream& stream, Eigen::Quaterniond& q) {
-  field(stream, q.coeffs());
-}
-
-template <class Stream, class Value>
-void field(Stream& stream, Key<Value>& key) {
-  field(stream, key.time);
-  field(stream, key.value);
-}
-
-template <class Stream, class Value>
-void field(Stream& stream, Tangents<Value>& tangents) {
-  field(stream, tangents.in);
-  field(stream, tangents.out);
-}
-
-template <class Stream, class Value>
-void field(Stream& stream, Track<Value>& track) {
-  std::uint8_t interpolation = static_cast<std::uint8_t>(track.interpolation);
-  field(stream, track.keys);
-  field(stream, track.tangents);
-  field(stream, interpolation);
-  track.interpolation = static_cast<Interpolation>(interpolation);
-}
-
-template <class Stream>
-void field(Stream& stream, Motion& motion) {
-  field(stream, motion.translation);
-  field(stream, motion.scale);
-  field(stream, motion.rotation);
-  field(stream, motion.key_times);
-}
-
-template <class Stream>
-void field(Stream& stream, PropertyValue& value) {
-  std::uint8_t kind = static_cast<std::uint8_t>(value.index());
-  field(stream, kind);
-  if constexpr (Stream::reads) {
-    if (kind == 0)
-      value.template emplace<0>();
-    else if (kind == 1)
-      value.template emplace<1>();
-    else
-      value.template emplace<2>();
-  }
-  std::visit([&](auto& alternative) { field(stream, alternative); }, value);
-}
-
-template <class Stream>
-void field(Stream& stream, ImportedNode& n) {
-  field(stream, n.name);
-  field(stream, n.parent);
-  field(stream, n.local);
-  field(stream, n.scale);
-  field(stream, n.own_scale);
-  field(stream, n.scale_from);
-  field(stream, n.pivot);
-  field(stream, n.offsets_mesh_only);
-  field(stream, n.meshes);
-  field(stream, n.properties);
-}
-
-template <class Stream>
-void field(Stream& stream, AuthoredAttribute& a) {
-  auto kind = static_cast<std::uint8_t>(a.kind);
-  field(stream, a.name);
-  field(stream, kind);
-  field(stream, a.values);
-  a.kind = static_cast<AttributeKind>(kind);
-}
-
-template <class Stream>
-void field(Stream& stream, Skin& s) {
-  field(stream, s.bones);
-  field(stream, s.to_bone);
-  field(stream, s.influences);
-  field(stream, s.weights);
-}
-
-template <class Stream>
-void field(Stream& stream, ImportedMesh& m) {
-  field(stream, m.x);
-  field(stream, m.attributes);
-  field(stream, m.triangles);
-  field(stream, m.materials);
-  field(stream, m.material_of);
-  field(stream, m.creases);
-  field(stream, m.deformed);
-  field(stream, m.not_followed);
-  field(stream, m.skin);
-  field(stream, m.targets);
-  field(stream, m.target_weights);
-}
-
-template <class Stream>
-void field(Stream& stream, Take& t) {
-  field(stream, t.name);
-  field(stream, t.begin);
-  field(stream, t.end);
-  field(stream, t.motions);
-  field(stream, t.shapes);
-}
-
-template <class Stream>
-void field(Stream& stream, ImportedFile& f) {
-  field(stream, f.fbx);
-  field(stream, f.start_lost);
-  field(stream, f.reader);
-  field(stream, f.warnings);
-  field(stream, f.nodes);
-  field(stream, f.meshes);
-  field(stream, f.takes);
-  field(stream, f.unit);
-  field(stream, f.fps);
-  field(stream, f.to_z_up);
-  field(stream, f.up_axis);
-}
-
-template <class Stream>
-void field(Stream& stream, ImportResult& r) {
-  field(stream, r.file);
-  field(stream, r.place);
-  field(stream, r.cause);
-  field(stream, r.remedy);
-}
 
 void check_times(double before, double time) {
   if (!std::isfinite(time) || time < before) refuse("a key is not a number, or is out of order");
@@ -362,15 +197,16 @@ void check(const ImportedFile& file) {
 }  // namespace
 
 std::string serialize(ImportResult result) {
-  Writer to;
-  field(to, result);
-  return std::move(to.bytes);
+  Serializer to;
+  to(result);
+  return to.bytes();
 }
 
 ImportResult deserialize(std::string_view bytes) {
-  Reader from{bytes};
+  Serializer from(bytes);
   ImportResult result;
-  field(from, result);
+  from(result);
+  from.end();
   check(result.file);
   return result;
 }
