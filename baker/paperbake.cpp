@@ -123,6 +123,7 @@ void simulate_scene(const Scene& scene, const BakeJob& job,
                     const std::function<bool(const AnimatedFrame&)>& on_frame) {
   check_scene(scene);
   BakeSettings settings = settings_of(scene, job);
+  settings.attempts = 1;
   const BakePlan plan = plan_with_accuracy(
       settings, [](const std::string&) {},
       [&](const BakeSettings& with) { return plan_bake(with, scene); });

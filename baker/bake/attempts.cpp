@@ -37,7 +37,7 @@ std::string why_doubted(AttemptReason reason, const Attempt& first) {
   return reason == AttemptReason::crumpled
              ? fmt::format("the paper crumples on a first mesh of {} triangles",
                            first.base_triangles)
-             : fmt::format("the paper bends more tightly than a first mesh of {} triangles shows",
+             : fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
                            first.base_triangles);
 }
 
@@ -152,11 +152,6 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible;
 }
 
-bool may_be_finer(const BakeSettings& settings) {
-  return !settings.triangles && !settings.accuracy && !settings.budget &&
-         settings.given.count("base_triangles") == 0;
-}
-
 Attempt Attempts::describe_attempt(std::size_t number) const {
   Attempt attempt;
   attempt.base_triangles = settings_.base_triangles;
@@ -170,6 +165,7 @@ BakePlan Attempts::plan_of(std::size_t number) const {
   BakePlan plan = first_;
   if (number == 0) return plan;
   const Attempt attempt = describe_attempt(number);
+  plan.animation.checks_mesh = false;
   BakeSettings settings = settings_;
   settings.base_triangles = attempt.base_triangles;
   const auto with_attempt = [&](std::string& hash) {

@@ -105,9 +105,6 @@ class Attempts {
   bool moved_ = false;  // whether a handle has (have_moved)
 };
 
-/// Whether the first mesh may have more triangles than the settings say: no number was asked for.
-bool may_be_finer(const BakeSettings&);
-
 /// Whether any handle is keyed farther from where it was in the first frame than the gate of
 /// handles allows it to be off.
 /// row  frame - first frame of the scene

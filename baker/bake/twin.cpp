@@ -7,6 +7,7 @@ namespace paperbake {
 
 BakePlan twin_of(const BakePlan& plan) {
   BakePlan twin = plan;
+  twin.animation.checks_mesh = false;
   for (std::size_t s = 0; s < twin.shots.size(); ++s) {
     std::uint64_t draw = 0;
     const unsigned seed = seed_of_sheet(plan, s);

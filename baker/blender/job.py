@@ -13,7 +13,7 @@ from . import attributes, cache, messages, names, program, scene_export
 EXPORT, BAKE, LOAD, DONE = range(4)
 DRAFT = "draft"  # folder of drafts, in that of the bakes
 DRAFT_WORDS = ["--quality", "draft", "--method", "hybrid", "--attempts", "1", "--formats", "abc,cert"]  # given last, they count
-DRAFT_TOLD = "A draft makes one attempt. Bake tries others where a handle is off by more than 1 mm or the paper crumples or bends tightly, and may come out otherwise."
+DRAFT_TOLD = "A draft makes one attempt. Bake tries others where a handle is off by more than 1 mm or the paper crumples or its mesh puts it off, and may come out otherwise."
 CHANGING_MESH = "With --mesh simulation, vertex groups, colours and attributes of the sheets are right in the first frame alone."
 OWN_WORDS = {"-o", "--output", "--name", "--formats", "--progress", "--write-job", "--dry-run"}  # without which nothing would be loaded
 

@@ -8,7 +8,7 @@ namespace paperbake {
 /// Why other attempts at a shot than the first are simulated (baker/bake/attempts.h).
 /// handle_off  a handle of the first one is off by more than the gate of handles allows
 /// crumpled    its sheet crumples, and might not on a finer mesh
-/// coarse      its smooth sheet bends more tightly than its triangles can show
+/// coarse      its mesh puts the smooth sheet off visibly
 enum class AttemptReason { handle_off, crumpled, coarse };
 /// The word for it in files.
 const char* name_of(AttemptReason);

@@ -161,6 +161,8 @@ void hash_inputs(BakePlan& plan) {
     values += bytes_of_values(wind.velocity);
   }
   of_simulation = values;
+  // what is recorded of a frame says then how far its mesh puts it off
+  if (plan.animation.checks_mesh) of_simulation += "checks its mesh\n";
   for (const UsedValue& value : plan.used) {
     const std::string line = value.key + " = " + value.value + "\n";
     if (value.key != "scene.file") values += line;

@@ -55,7 +55,8 @@ std::string literal(const JobKey& key, const std::string& text) {
 }
 
 std::string relative_to(const fs::path& folder, const std::string& path) {
-  return fs::proximate(fs::absolute(path), fs::absolute(folder)).generic_string();
+  return fs::proximate(fs::absolute(path), fs::absolute(folder.empty() ? "." : folder))
+      .generic_string();
 }
 
 std::string rules_text(const SingularPointRules& rules,

@@ -20,6 +20,7 @@ void load_job(BakeSettings&, const std::filesystem::path& job);
 std::string job_text(const BakeSettings&, const std::filesystem::path& file);
 
 /// What the job file of these settings says of single sheets and handles, as job_text has it.
+/// folder  that paths are relative to; empty: the working directory
 std::string sections_text(const BakeSettings&, const std::filesystem::path& folder);
 
 }  // namespace paperbake

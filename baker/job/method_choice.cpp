@@ -18,6 +18,11 @@ bool is_hybrid(const BakeSettings& settings) {
   return settings.method == "hybrid" || settings.method == hybrid_and_fem;
 }
 
+bool may_be_finer(const BakeSettings& settings) {
+  return !settings.triangles && !settings.accuracy && !settings.budget &&
+         settings.given.count("base_triangles") == 0;
+}
+
 int triangles_wanted(const BakeSettings& settings) {
   return settings.triangles.value_or(is_hybrid(settings)
                                          ? std::max(1000, 2 * settings.base_triangles)

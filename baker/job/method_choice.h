@@ -18,6 +18,9 @@ bool is_method(const std::string&);
 /// Does the hybrid simulate the sheets, whether its frames are polished or not?
 bool is_hybrid(const BakeSettings&);
 
+/// Whether the first mesh may have more triangles than the settings say: no number was asked for.
+bool may_be_finer(const BakeSettings&);
+
 /// Number of triangles of the mesh; of the hybrid: the largest number that its mesh may have.
 int triangles_wanted(const BakeSettings&);
 

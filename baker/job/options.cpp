@@ -211,8 +211,8 @@ std::vector<Option> meshes_and_physics() {
           {"attempts", K::whole, 1, 16}, "4",
           "How many attempts there are at most when a handle of the first one is off by more "
           "than 1 mm: other seeds, on first meshes of 2 and 4 times as many triangles in turn. "
-          "The best is baked. Where handles hold, but the paper crumples or bends very tightly, a "
-          "second attempt on 4 times as many triangles is baked if it does not crumple there. "
+          "The best is baked. Where handles hold, but the paper crumples or its triangles put it "
+          "off visibly, a second attempt on 4 times as many is baked if it does not crumple there. "
           "1: neither of both (method hybrid)",
           to_whole(&BakeSettings::attempts)),
       without_default(

@@ -206,6 +206,8 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.animation.elastic.forces.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.elastic.air = air_of(settings, scene);
   plan.animation.probe_every = settings.probe_every;
+  plan.animation.checks_mesh =
+      is_hybrid(settings) && settings.attempts > 1 && may_be_finer(settings);
   plan.animation.plasticity = settings.method == "fem" ? Plasticity::off : Plasticity::on;
   decide_frames(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet uses it

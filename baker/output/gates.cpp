@@ -90,8 +90,10 @@ class Review {
 
   /// The same of the render mesh, after the simulated one was checked.
   void check_rendered(Gate gate, double limit, const Value& value, const Sentence& sentence) {
-    const bool is_simulated_good = std::none_of(
-        missed.begin(), missed.end(), [gate](const MissedGate& m) { return m.gate == gate; });
+    const bool is_simulated_good =
+        std::none_of(missed.begin(), missed.end(), [gate](const MissedGate& m) {
+          return m.gate == gate && m.advice != advice_on_render_mesh;
+        });
     const std::size_t before = missed.size();
     check(
         gate, limit, [&](const FrameRecord& f) { return f.statistics.render ? value(f) : 0; },
@@ -232,19 +234,25 @@ Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
     return {"jammed; the sheet touches " + touches, advice(Gate::handles, plan)};
   if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles, plan)};
   return {
-      "jammed, though nothing touches the sheet: the paper pushes back harder than a hand holds "
-      "it, which is with 3 N",
+      "jammed, though nothing touches the sheet: the paper pushes back harder than a hand holds it",
       "Hold the paper with more handles there, move them less far, or bake with more "
       "--base-triangles."};
 }
 
-/// Adds to the first sentence what was wrong at the beginning: it may be why a gate was missed.
+/// Adds to a sentence what was wrong at the beginning: it may be why a gate was missed. To that on
+/// handles, if there is one, and to none on the render mesh alone.
 void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedGate>& missed) {
-  if (missed.empty() || faults.empty()) return;
-  missed.front().sentence += " This may be the cause: " + faults.front().sentence;
+  if (faults.empty()) return;
+  const auto find = [&](const auto& is_it) {
+    return std::find_if(missed.begin(), missed.end(), is_it);
+  };
+  auto told = find([](const MissedGate& m) { return m.gate == Gate::handles; });
+  if (told == missed.end())
+    told = find([](const MissedGate& m) { return m.advice != advice_on_render_mesh; });
+  if (told == missed.end()) return;
+  told->sentence += " This may be the cause: " + faults.front().sentence;
   if (faults.size() > 1)
-    missed.front().sentence +=
-        fmt::format(" {} more faults are told by warnings.", faults.size() - 1);
+    told->sentence += fmt::format(" {} more faults are told by warnings.", faults.size() - 1);
 }
 
 }  // namespace
@@ -350,10 +358,10 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
          advice(Gate::reach, plan)});
   std::stable_sort(review.missed.begin(), review.missed.end(),
                    [](const MissedGate& a, const MissedGate& b) { return a.frames > b.frames; });
+  add_start_faults(plan.start_faults, review.missed);
   std::set<Gate> advised;
   for (MissedGate& m : review.missed)
     if (!advised.insert(m.gate).second) m.advice.clear();
-  add_start_faults(plan.start_faults, review.missed);
   return review.missed;
 }
 

@@ -68,11 +68,11 @@ void replace_outputs(const fs::path& folder, const std::string& shot,
   };
   for (const auto& [path, key] : before.files) {
     std::error_code none;
-    if (is_of_another_shot(path) || is_foreign(path)) continue;
+    if (is_of_another_shot(path)) continue;
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||
         file_hash(base / path) != key)
       continue;
-    if (stale == StaleFiles::remove)
+    if (stale == StaleFiles::remove && !is_foreign(path))
       fs::remove(base / path, none);
     else
       files[path] = key;

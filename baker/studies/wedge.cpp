@@ -75,7 +75,11 @@ std::string inputs_key(const BakeSettings& settings) {
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
   bytes += sections_text(settings, settings.scene.parent_path());
-  if (settings.preset) bytes += "/" + text_or_nothing(*settings.preset);  // if it is a file
+  // presets that are files
+  if (settings.preset) bytes += "/" + text_or_nothing(*settings.preset);
+  for (const JobSection& sheet : settings.sheets)
+    for (const JobValue& value : sheet.values)
+      if (value.key == "preset") bytes += "/" + text_or_nothing(value.text);
   return hex(content_hash(bytes + "/" + text_or_nothing(settings.scene)));
 }
 

@@ -36,7 +36,7 @@ struct AnimateOptions {
   // Empty: all frames.
   std::string resume_state;
   // find out how far a coarse mesh puts a smooth sheet off: FrameStatistics::mesh_error
-  bool checks_mesh = true;
+  bool checks_mesh = false;
   // Asked before every frame of a rehearsal (rehearsal.h), which nobody sees; may be empty. What it
   // stops throws Error(ErrorCode::stopped).
   std::function<bool()> asks_to_stop;

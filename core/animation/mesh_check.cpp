@@ -23,8 +23,12 @@ std::optional<double> distance_from_finer_mesh(const SimulatedSheet& simulated,
   finer.pattern = std::move(mesh->vertices);
   finer.triangles = std::move(mesh->triangles);
   Elastic elastic = simulated.elastic.on_mesh(finer, disc_factors(finer, simulated.shot));
-  const ElasticReport report = elastic.relax(finer, at, dt, Relaxation::full);
-  if (!report.converged || report.contact) return std::nullopt;
+  try {
+    const ElasticReport report = elastic.relax(finer, at, dt, Relaxation::full);
+    if (!report.converged || report.contact || report.on_colliders > 0) return std::nullopt;
+  } catch (const EnergyNotFinite&) {
+    return std::nullopt;
+  }
   const Points3 there = MeshTransfer(finer.pattern, finer.triangles, sheet.pattern)(finer.x);
   return std::sqrt((there - sheet.x).rowwise().squaredNorm().mean()) / simulated.side;
 }

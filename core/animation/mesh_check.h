@@ -13,10 +13,11 @@ namespace paperbake {
 /// three quarters in that way.) The paper does not yield in between, and the sheet and its solver
 /// are left as they were.
 ///
+/// Method   one that gives the points of handles the same numbers in every mesh
 /// at       what holds the sheet where it is, with the colliders standing still
 /// returns  [1] root mean square over the vertices of the sheet, of its longer side; nothing if the
-///          method has no such mesh, or if the sheet does not come to rest on it or comes near
-///          itself
+///          method has no such mesh, or if the sheet does not come to rest on it, comes near
+///          itself or touches a collider
 /// source   this project
 std::optional<double> distance_from_finer_mesh(const SimulatedSheet&, const Method&,
                                                const StepInput& at);

@@ -78,7 +78,7 @@ class OpeningOnMeshes {
  public:
   OpeningOnMeshes(const Shot& shot, const MethodChoice& method, const AnimateOptions& options)
       : shot_(shot), method_(method), options_(options), found_{0, options.first_frame - 1, false} {
-    options_.checks_mesh = false;
+    options_.checks_mesh = false;  // nobody reads it
   }
 
   Rehearsal operator()() {

@@ -326,7 +326,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   note_outcome();
   if (!now_.is_idle) fold_if_bent(is_admissible);
   note_outcome();
-  if (options_.checks_mesh && !now_.is_idle) check_mesh();
+  if (options_.checks_mesh && doublings() == 0 && !now_.is_idle) check_mesh();
   yielding_ = now_.step.last.plastic_increment > 0 &&
               now_.step.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (now_.step.last.energy_gain > worth_a_note)

@@ -22,9 +22,13 @@ class Spool {
   explicit Spool(const std::filesystem::path& beside) : path_(beside.string() + ".spool") {
     ::unlink(path_.c_str());
     const int fd = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (fd < 0) fail("created");
     ::unlink(path_.c_str());
-    file_ = fd < 0 ? nullptr : ::fdopen(fd, "wb+");
-    if (!file_) fail("created");
+    file_ = ::fdopen(fd, "wb+");
+    if (!file_) {
+      ::close(fd);
+      fail("created");
+    }
   }
   ~Spool() { std::fclose(file_); }
   Spool(const Spool&) = delete;

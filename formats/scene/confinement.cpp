@@ -32,8 +32,8 @@ const std::vector<long> allowed = {
 #endif
     // files that are open, or are opened for reading (see writing_flags)
     SYS_read, SYS_readv, SYS_pread64, SYS_preadv, SYS_write, SYS_writev, SYS_lseek, SYS_close,
-    SYS_dup, SYS_fcntl, SYS_fstat, SYS_newfstatat, SYS_statx, SYS_faccessat, SYS_readlinkat,
-    SYS_getdents64, SYS_getcwd, SYS_fadvise64, SYS_ppoll,
+    SYS_dup, SYS_fstat, SYS_newfstatat, SYS_statx, SYS_faccessat, SYS_readlinkat, SYS_getdents64,
+    SYS_getcwd, SYS_fadvise64, SYS_ppoll,
 #ifdef SYS_faccessat2  // from Linux 5.8
     SYS_faccessat2,
 #endif
@@ -56,18 +56,31 @@ void answer(Filter& filter, std::uint32_t verdict) {
 }
 constexpr std::uint32_t refused = SECCOMP_RET_ERRNO | EPERM;
 
-enum class Test { has_none_of, is };
-/// Allows a call only if the lower half of one of its arguments has none of these bits, or is this.
-void allow_if(Filter& filter, long call, int argument, Test test, std::uint32_t value) {
+/// Decides on one call: `rules` see the lower half of one of its arguments and must return.
+void decide(Filter& filter, long call, int argument, const Filter& rules) {
   // on little-endian processors
   const auto at = static_cast<std::uint32_t>(offsetof(seccomp_data, args) + 8 * argument);
-  const auto jump =
-      static_cast<unsigned short>(BPF_JMP | BPF_K | (test == Test::is ? BPF_JEQ : BPF_JSET));
-  filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
+  filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0,
+                            static_cast<std::uint8_t>(rules.size() + 1)));
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, at));
-  filter.push_back(BPF_JUMP(jump, value, 0, 1));
-  answer(filter, test == Test::is ? SECCOMP_RET_ALLOW : refused);
-  answer(filter, test == Test::is ? refused : SECCOMP_RET_ALLOW);
+  filter.insert(filter.end(), rules.begin(), rules.end());
+}
+
+Filter unless_any_of(std::uint32_t bits) {
+  Filter rules{BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1)};
+  answer(rules, refused);
+  answer(rules, SECCOMP_RET_ALLOW);
+  return rules;
+}
+
+Filter if_one_of(const std::vector<std::uint32_t>& values) {
+  Filter rules;
+  for (const std::uint32_t value : values) {
+    rules.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1));
+    answer(rules, SECCOMP_RET_ALLOW);
+  }
+  answer(rules, refused);
+  return rules;
 }
 
 void filter_system_calls() {
@@ -77,11 +90,13 @@ void filter_system_calls() {
   answer(filter, refused);
   filter.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
 #if defined(__x86_64__)
-  allow_if(filter, SYS_open, 1, Test::has_none_of, writing_flags);
+  decide(filter, SYS_open, 1, unless_any_of(writing_flags));
 #endif
-  allow_if(filter, SYS_openat, 2, Test::has_none_of, writing_flags);
+  decide(filter, SYS_openat, 2, unless_any_of(writing_flags));
+  // what streams ask of files, and not who gets signals about them
+  decide(filter, SYS_fcntl, 1, if_one_of({F_GETFD, F_SETFD, F_GETFL, F_DUPFD, F_DUPFD_CLOEXEC}));
   // abort() and raise() send a signal to this process
-  allow_if(filter, SYS_tgkill, 0, Test::is, static_cast<std::uint32_t>(::getpid()));
+  decide(filter, SYS_tgkill, 0, if_one_of({static_cast<std::uint32_t>(::getpid())}));
   for (const long call : allowed) {
     filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1));
     answer(filter, SECCOMP_RET_ALLOW);

@@ -152,7 +152,7 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   choice.reason = AttemptReason::coarse;
   choice.tried[0].crumpled = false;
   EXPECT_EQ(describe(choice),
-            "attempts: the paper bends more tightly than a first mesh of 120 triangles shows; it "
+            "attempts: a first mesh of 120 triangles puts the smooth paper off visibly; it "
             "is baked, because the paper crumples on one of 480");
 }
 

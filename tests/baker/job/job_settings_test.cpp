@@ -1,12 +1,15 @@
 // Job files through the built program: what they say, how they fail, who wins. Everything is
 // checked from outside.
 
+#include "baker/job/job_settings.h"
 #include "tests/baker/program_fixture.h"
+#include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <fstream>
 #include <regex>
 #include <string>
 
@@ -179,6 +182,20 @@ TEST_F(JobSettingsTest, WithoutAnOutputFolderItEndsWithTwo) {
   EXPECT_TRUE(is_error(run({"bake", folder / "shot.toml"}), 2, folder / "shot.toml", "scene"));
   EXPECT_TRUE(
       is_error(run({"bake", folder / "none.toml"}), 2, folder / "none.toml", "cannot be read"));
+}
+
+TEST(JobSections, PresetFilesOfSheetsAreNamedFromTheWorkingDirectoryToo) {
+  const std::filesystem::path preset = test::own_folder() / "soft.toml";
+  std::ofstream(preset) << "thickness = 1e-4\n";
+  BakeSettings settings;
+  JobSection section;
+  section.pattern = "*";
+  section.values = {{"preset", preset.string(), ""}};
+  settings.sheets = {section};
+  for (const char* folder : {"", "."})
+    EXPECT_NE(sections_text(settings, folder).find("soft.toml"), std::string::npos) << folder;
+  EXPECT_NE(sections_text(settings, preset.parent_path()).find("preset = \"soft.toml\""),
+            std::string::npos);
 }
 
 }  // namespace

@@ -153,6 +153,20 @@ TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
       << "only the render mesh is at fault: " << missed[0].advice;
 }
 
+TEST(Gates, WhereOnlyTheRenderMeshIsAtFaultAllSentencesSaySo) {
+  std::vector<FrameRecord> frames{rendered(5), rendered(6)};
+  frames[0].statistics.render->stretch_mean = 0.05;
+  for (FrameRecord& f : frames) f.statistics.render->stretch_max = 0.2;
+  BakePlan plan;
+  plan.start_faults = {{"paper", "The sheet begins in a collider."}};
+  const std::vector<MissedGate> missed = missed_gates({}, frames, plan);
+  ASSERT_EQ(missed.size(), 2u);
+  EXPECT_NE(missed[0].advice.find("--mesh simulation"), std::string::npos) << missed[0].advice;
+  EXPECT_TRUE(missed[1].advice.empty());
+  for (const MissedGate& m : missed)
+    EXPECT_EQ(m.sentence.find("may be the cause"), std::string::npos) << m.sentence;
+}
+
 TEST(Gates, WhatIsToBeMovedMoreSlowlyIsWhatMoves) {
   FrameRecord bad = rendered(5);
   bad.statistics.stretch_max = 0.1;

@@ -134,6 +134,7 @@ TEST(Sandbox, AllowsNoSystemCallThatChangesAnythingOutsideIt) {
       {"tgkill", [&] { return syscall(SYS_tgkill, parent, parent, 0); }},
       {"pidfd_open", [&] { return syscall(434, parent, 0); }},
       {"prlimit64", [&] { return syscall(SYS_prlimit64, 0, RLIMIT_CPU, &high, nullptr); }},
+      {"fcntl", [&] { return syscall(SYS_fcntl, 0, F_SETOWN, parent); }},
       {"ioctl", [] { return syscall(SYS_ioctl, 0, 0x5412, ""); }},
       {"setpriority", [&] { return syscall(SYS_setpriority, 0, parent, 19); }},
       {"mq_open", [] { return syscall(SYS_mq_open, "q", O_CREAT, 0600, nullptr); }},
