@@ -4,7 +4,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <map>
@@ -35,7 +34,21 @@ class BlockedSignals {
   sigset_t set_, before_;
 };
 
+/// The variables of this process; but a bake uses one thread of OpenBLAS, and more would spin for a
+/// while.
+std::vector<char*> environment_of_bakes() {
+  static char one_thread[] = "OPENBLAS_NUM_THREADS=1";
+  const std::size_t name = std::strchr(one_thread, '=') - one_thread + 1;
+  std::vector<char*> variables{one_thread};
+  for (char** variable = environ; *variable; ++variable)
+    if (std::strncmp(*variable, one_thread, name) != 0) variables.push_back(*variable);
+  variables.push_back(nullptr);
+  return variables;
+}
+
 pid_t start(const std::string& program, const ProcessSpec& process, const BlockedSignals& signals) {
+  // all that takes memory comes before the fork: another thread may hold the lock of the heap
+  const std::vector<char*> environment = environment_of_bakes();
   std::vector<char*> arguments{const_cast<char*>(program.c_str())};
   for (const std::string& argument : process.arguments)
     arguments.push_back(const_cast<char*>(argument.c_str()));
@@ -49,14 +62,12 @@ pid_t start(const std::string& program, const ProcessSpec& process, const Blocke
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(128 + SIGTERM);
   signals.restore();
-  // a bake uses no more, and the others would spin for a while
-  setenv("OPENBLAS_NUM_THREADS", "1", 1);
   const int log = open(process.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666),
             nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
-  execv(program.c_str(), arguments.data());
+  execve(program.c_str(), arguments.data(), environment.data());
   _exit(127);
 }
 

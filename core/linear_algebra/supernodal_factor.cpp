@@ -65,6 +65,11 @@ struct FinishCommon {
   void operator()(cholmod_common* c) const { cholmod_finish(c); }
 };
 
+struct FreeFactor {
+  cholmod_common* common;
+  void operator()(cholmod_factor* factor) const { cholmod_free_factor(&factor, common); }
+};
+
 cholmod_factor* analyse(int blocks, const std::vector<std::pair<int, int>>& pairs,
                         cholmod_common* c) {
   cholmod_triplet* t =
@@ -99,7 +104,8 @@ SupernodalFactor::SupernodalFactor(int blocks, const std::vector<std::pair<int, 
   cholmod_start(&common);
   const std::unique_ptr<cholmod_common, FinishCommon> finish(&common);
   common.print = 0;
-  cholmod_factor* symbolic = analyse(blocks, coupled, &common);
+  const std::unique_ptr<cholmod_factor, FreeFactor> symbolic(analyse(blocks, coupled, &common),
+                                                             {&common});
   if (!symbolic)
     throw Error(ErrorCode::simulation, "elastic step",
                 "The matrix could not be laid out: out of memory.", "Use fewer triangles.");
@@ -107,7 +113,6 @@ SupernodalFactor::SupernodalFactor(int blocks, const std::vector<std::pair<int, 
   for (int k = 0; k < blocks; ++k) place_[order[k]] = k;
   find_supernodes(static_cast<const int*>(symbolic->super), static_cast<const int*>(symbolic->pi),
                   static_cast<const int*>(symbolic->s), static_cast<int>(symbolic->nsuper));
-  cholmod_free_factor(&symbolic, &common);
 }
 
 void SupernodalFactor::find_supernodes(const int* first_columns, const int* row_starts,
