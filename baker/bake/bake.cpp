@@ -123,6 +123,20 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   return failure;
 }
 
+/// Tries other attempts than the first one, and chooses among them all.
+/// returns  why it has not chosen: the first one, as far as it is recorded, is written all the same
+std::optional<Error> choose_attempt(Attempts& attempts, Progress& progress, StopRequest& stop,
+                                    StageClock& clock) try {
+  if (attempts.choose(progress, stop, clock)) return std::nullopt;
+  return Error(ErrorCode::stopped,
+               fmt::format("frame {} of {}", attempts.last_seen_frame(),
+                           attempts.plan().animation.last_frame),
+               "The bake was stopped while it tried another attempt.",
+               "The same command continues from there.");
+} catch (const Error& error) {
+  return error;
+}
+
 /// Simulates the twin of a bake and enters its distance into the certificate.
 void compare_with_twin(const BakeSettings& settings, const BakePlan& plan, BakePipeline& pipeline,
                        Progress& progress, StopRequest& stop) {
@@ -174,20 +188,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   if (const std::string caution = attempts.caution(); !caution.empty() && !failure)
     progress.message(caution);
   if (attempts.is_doubtful() && !failure) {
-    bool has_chosen = false;
-    try {
-      has_chosen = attempts.choose(progress, stop, clock);
-    } catch (const Error& error) {
-      failure = error;  // the first attempt is written all the same
-    }
-    if (failure) {
-    } else if (!has_chosen) {
-      failure = Error(
-          ErrorCode::stopped,
-          fmt::format("frame {} of {}", attempts.last_seen_frame(), plan.animation.last_frame),
-          "The bake was stopped while it tried another attempt.",
-          "The same command continues from there.");
-    } else if (attempts.recorded() != Attempts::Recorded::everything) {
+    failure = choose_attempt(attempts, progress, stop, clock);
+    if (!failure && attempts.recorded() != Attempts::Recorded::everything) {
       if (attempts.recorded() == Attempts::Recorded::nothing) {
         recorded.reset();  // its files are written anew
         progress.begin_again();

@@ -90,15 +90,16 @@ class Review {
 
   /// The same of the render mesh, after the simulated one was checked.
   void check_rendered(Gate gate, double limit, const Value& value, const Sentence& sentence) {
-    const bool is_simulated_good =
-        std::none_of(missed.begin(), missed.end(), [gate](const MissedGate& m) {
-          return m.gate == gate && m.advice != advice_on_render_mesh;
-        });
+    const bool is_simulated_good = std::none_of(
+        missed.begin(), missed.end(),
+        [gate](const MissedGate& m) { return m.gate == gate && !m.only_of_rendering; });
     const std::size_t before = missed.size();
     check(
         gate, limit, [&](const FrameRecord& f) { return f.statistics.render ? value(f) : 0; },
         sentence);
-    if (is_simulated_good && missed.size() > before) missed.back().advice = advice_on_render_mesh;
+    if (!is_simulated_good || missed.size() == before) return;
+    missed.back().only_of_rendering = true;
+    missed.back().advice = advice_on_render_mesh;
   }
 
   std::vector<MissedGate> missed;
@@ -247,8 +248,7 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
     return std::find_if(missed.begin(), missed.end(), is_it);
   };
   auto told = find([](const MissedGate& m) { return m.gate == Gate::handles; });
-  if (told == missed.end())
-    told = find([](const MissedGate& m) { return m.advice != advice_on_render_mesh; });
+  if (told == missed.end()) told = find([](const MissedGate& m) { return !m.only_of_rendering; });
   if (told == missed.end()) return;
   told->sentence += " This may be the cause: " + faults.front().sentence;
   if (faults.size() > 1)

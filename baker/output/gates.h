@@ -28,7 +28,8 @@ struct MissedGate {
   std::string sentence;  // with its worst frame and, for handles, the cause where it is known
   // what to do about it; empty where a gate before it has the same
   std::string advice;
-  int frames = 0;  // in how many it is missed
+  int frames = 0;                  // in how many it is missed
+  bool only_of_rendering = false;  // the simulated sheet keeps it
 };
 
 /// The gates that were missed, the one that is missed in most frames first. Empty: none was.

@@ -10,7 +10,7 @@ namespace paperbake {
 std::optional<double> distance_from_finer_mesh(const SimulatedSheet& simulated,
                                                const Method& method, const StepInput& at) {
   constexpr int refinement = 4;
-  // [triangles] As many take as long as the frames between two checks.
+  // [triangles] A mesh that leads to more is not the coarse first mesh that this is about.
   constexpr int most = 1500;
   constexpr double dt = 1;  // [s] so long that the inertia term holds nothing back
   std::optional<PatternMesh> mesh =

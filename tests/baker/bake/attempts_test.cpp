@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
+
 namespace paperbake {
 namespace {
 
@@ -278,6 +280,18 @@ TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFin
   EXPECT_EQ(simulated(polished), 25) << "nothing of the first attempt was handed on";
   run(stacks("directly", {"--polish", "300", "--base-triangles", "480", "--attempts", "1"}));
   EXPECT_TRUE(shapes("polished") == shapes("directly"));
+}
+
+TEST_F(AttemptsTest, WhereOthersCannotBeKeptTheFirstOneIsWritten) {
+  fs::create_directories(folder / "out/.state");
+  std::ofstream(folder / "out/.state/attempts") << "a file in the way of their folder";
+  const Ended ended = run(shot("S7_stacks", "out", {}));
+  EXPECT_NE(ended.code, 0);
+  EXPECT_NE(ended.err.find("attempts"), std::string::npos) << ended.err;
+  EXPECT_TRUE(fs::exists(folder / "out/S7_stacks.abc"));
+  run(shot("S7_stacks", "first", {"--attempts", "1"}));
+  ASSERT_FALSE(shapes("first").empty());
+  EXPECT_TRUE(shapes("out") == shapes("first"));
 }
 
 TEST_F(AttemptsTest, SmoothPaperThatItsMeshPutsOffIsBakedOnAFinerOne) {

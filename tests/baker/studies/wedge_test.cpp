@@ -12,12 +12,14 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <iomanip>
 #include <map>
 #include <set>
 #include <sstream>
 #include <sys/file.h>
+#include <sys/wait.h>
 
 namespace paperbake {
 namespace {
@@ -283,6 +285,18 @@ TEST_F(WedgeTest, AnInterruptEndsTheChildrenAfterTheirFrame) {
   EXPECT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0) << "a child still bakes";
   close(lock);
   EXPECT_FALSE(fs::exists(out("wedge.csv")));
+}
+
+TEST_F(WedgeTest, AVariationThatIsKilledDoesNotShowHowItEndedBefore) {
+  fs::create_directories(out(".state"));
+  std::ofstream(out(".state/0001.json")) << "{}";
+  const pid_t program =
+      start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem",
+                     "--triangles", "3000", "--vary", "seed=1..2", "--index", "1"});
+  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
+  EXPECT_FALSE(fs::exists(out(".state/0001.json")));
 }
 
 TEST_F(WedgeTest, AVariationThatIsStoppedKeepsItsFrames) {
