@@ -1,5 +1,6 @@
 #include "core/animation/inertia_need.h"
 
+#include "core/animation/held_points.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/collider.h"
 #include "core/model/air.h"
@@ -12,31 +13,7 @@ namespace paperbake {
 namespace {
 
 constexpr double carried_along = 0.005, flung = 0.25;  // [1] of the longer side
-constexpr double on_a_line = 0.01;                     // [1] of the longer side
 constexpr double of_the_earth = 9.81;                  // [m/s2]
-
-std::vector<int> held_at(const Shot& shot, int frame) {
-  std::vector<int> held;
-  for (std::size_t h = 0; h < shot.handles.size(); ++h)
-    if (shot.handles[h].held(frame)) held.push_back(static_cast<int>(h));
-  return held;
-}
-
-/// Largest distance of a held point from one line through held points, on the pattern. [m]
-double off_line(const Shot& shot, const std::vector<int>& held) {
-  double off = 0;
-  Vector2d farthest = Vector2d::Zero();
-  for (const int h : held)
-    if (const Vector2d d = shot.handles[h].pattern - shot.handles[held.front()].pattern;
-        d.norm() > farthest.norm())
-      farthest = d;
-  if (farthest.norm() == 0) return 0;
-  const Vector2d across = Vector2d(-farthest.y(), farthest.x()).normalized();
-  for (const int h : held)
-    off = std::max(
-        off, std::abs(across.dot(shot.handles[h].pattern - shot.handles[held.front()].pattern)));
-  return off;
-}
 
 /// Twice the largest distance of the paper from the nearest held point. [m]
 double free_length(const Shot& shot, const std::vector<int>& held) {
@@ -57,14 +34,9 @@ double free_length(const Shot& shot, const std::vector<int>& held) {
 /// True if the start shape hangs straight below the points that hold it.
 bool hangs(const Shot& shot, const std::vector<int>& held, const ExternalForces& forces,
            double side) {
-  const auto at = [&](int h) { return keyed_position(shot.handles[h], 0); };
-  Vector3d middle = Vector3d::Zero(), along = Vector3d::Zero();
-  for (const int h : held) {
-    middle += at(h) / held.size();
-    if (const Vector3d d = at(h) - at(held.front()); d.norm() > along.norm()) along = d;
-  }
-  Vector3d down = shot.start.x.colwise().mean().transpose() - middle;
-  if (along.norm() > 0) down -= along * along.dot(down) / along.squaredNorm();
+  Vector3d down = shot.start.x.colwise().mean().transpose() - held_middle(shot, held);
+  if (const Vector3d along = held_line(shot, held); along.norm() > 0)
+    down -= along * along.dot(down) / along.squaredNorm();
   return down.z() * forces.gravity < 0 && down.head<2>().norm() < carried_along * side;
 }
 
@@ -100,7 +72,7 @@ double sway_of(const Shot& shot, const Handle& handle, const ExternalForces& for
   Vector3d r = Vector3d::Zero(), r_per_w = r, v = r;  // r'/w
   for (int frame = first_frame; frame < last_frame; ++frame) {
     if (!handle.held(frame + 1)) continue;
-    if (const std::vector<int> now = held_at(shot, frame + 1); now != held) {
+    if (const std::vector<int> now = held_handles(shot, frame + 1); now != held) {
       held = now;
       const double l = free_length(shot, held);
       if (l <= 0) return most;
@@ -135,14 +107,14 @@ InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, doub
   for (const Handle& handle : shot.handles)
     need.sway =
         std::max(need.sway, sway_of(shot, handle, forces, fps, first_frame, last_frame) / side);
-  const std::vector<int> at_first = held_at(shot, first_frame);
+  const std::vector<int> at_first = held_handles(shot, first_frame);
   bool hanging = false;
   for (int frame = first_frame; frame <= last_frame && forces.gravity != 0; ++frame) {
-    const std::vector<int> held = held_at(shot, frame);
+    const std::vector<int> held = held_handles(shot, frame);
     if (held.empty())
       return {true, need.sway,
               formatted("nothing holds the sheet from frame %d on: it falls", frame)};
-    if (off_line(shot, held) > on_a_line * side) continue;
+    if (!is_held_on_a_line(shot, held)) continue;
     if (held != at_first || !hangs(shot, held, forces, side) || need.sway > carried_along)
       return {true, need.sway,
               formatted("the sheet is held at a point or on a line from frame %d on: it swings",

@@ -1,16 +1,19 @@
 #include "core/animation/sheet_simulation.h"
 
 #include "core/animation/branch_search.h"
+#include "core/animation/flutter.h"
 #include "core/animation/folding_hands.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/geometry/pattern_mesh.h"
 #include "core/model/formatted.h"
 #include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace paperbake {
@@ -92,13 +95,27 @@ std::string note_of_jammed(const std::vector<HandleFrame>& handles) {
                    jammed == 1 ? "handle gives way" : "handles give way", 1e3 * most);
 }
 
-/// The initial sheet, on a first mesh with so many times more triangles.
+/// The initial sheet. Its first mesh has at least so many times more triangles than the method
+/// would choose, and is fine enough for a flag to wave, unless that asks for more than
+/// doublings_to_bend.
 InitialSheet start_on(const Shot& shot, Method& method, const AnimateOptions& options,
                       int doublings) {
   InitialSheet start = make_initial_sheet(shot, method, options.seed, options.first_frame);
-  if (doublings == 0) return start;
-  for (int k = 0; k < doublings && method.has_finer_mesh(); ++k) method.finer_mesh();
-  return make_initial_sheet(shot, method, options.seed, options.first_frame);
+  const bool has_inertia = options.elastic.inertia == Inertia::dynamic;
+  const double longest = has_inertia
+                             ? longest_edge_of_flag(shot, options.elastic.air, options.first_frame)
+                             : std::numeric_limits<double>::infinity();
+  const auto is_too_coarse = [&] {
+    const int done = method.doublings();
+    if (done < doublings) return true;
+    const auto triangles = static_cast<int>(start.sheet.triangles.rows());
+    return done < doublings_to_bend && equilateral_edge(shot.pattern, triangles) > longest;
+  };
+  while (is_too_coarse() && method.has_finer_mesh()) {
+    method.finer_mesh();
+    start = make_initial_sheet(shot, method, options.seed, options.first_frame);
+  }
+  return start;
 }
 
 }  // namespace
@@ -213,9 +230,11 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   if (!first && !outcome_.contact && (outcome_.at_minimum || simulated_.has_inertia()))
     carried_.begin(sheet, resting_input_);
   move_world();
-  if (first && rehearsed_doublings_ > 0)
+  if (first && method_->doublings() > 0)
     add_note("it begins with " + std::to_string(1 << method_->doublings()) +
-             " times as many triangles: in a rehearsal a coarser mesh held it back");
+             " times as many triangles: " +
+             (rehearsed_doublings_ > 0 ? "in a rehearsal a coarser mesh held it back"
+                                       : "on fewer a flag does not wave"));
   if (first && lacks_triangles_)
     add_note(
         "in a rehearsal it did not bend on the finest first mesh that it may have: "

@@ -1,6 +1,7 @@
 #include "core/animation/start_mesh.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/point_location.h"
 #include "core/model/segment2.h"
@@ -14,10 +15,12 @@
 namespace paperbake {
 namespace {
 
-constexpr double flat = 1e-3;           // [rad] an edge that turns less bends nothing
-constexpr double collinear = 1e-3;      // [rad] largest angle between edges of one bend
-constexpr double longest_error = 2e-3;  // [1] by which an edge may be too short
-constexpr int more_triangles = 2000;    // [1] at most, than the method's own mesh has
+constexpr double flat = 1e-3;       // [rad] an edge that turns less bends nothing
+constexpr double collinear = 1e-3;  // [rad] largest angle between edges of one bend
+// [1] by which an edge may be too short, where the layers of a sheet are as far apart as modelled
+constexpr double longest_error = 2e-3;
+constexpr double least_error = 1e-5;  // [1] the same where they would pass through each other
+constexpr int more_triangles = 2000;  // [1] at most, than the method's own mesh has
 
 /// The bent edges of a mesh that leave each of its vertices.
 struct BentEdges {
@@ -76,14 +79,19 @@ class BendChoice {
 
   /// The pattern with the bends that are chosen, and those that another mesh of it asks for.
   /// Nothing when it asks for none.
-  std::optional<Pattern> next(const PatternMesh& mesh);
+  /// longest_error  [1] by which an edge of it may be too short
+  std::optional<Pattern> next(const PatternMesh& mesh, double longest_error);
+
+  /// How often a mesh crosses itself in the start shape.
+  int crossings_on(const PatternMesh&) const;
 
  private:
   struct Chord {
     double error;  // [1] by which it is too short
     Vector2d a, b;
   };
-  std::vector<Chord> short_chords(const PatternMesh&) const;
+  Points3 start_of(const PatternMesh&) const;
+  std::vector<Chord> short_chords(const PatternMesh&, double longest_error) const;
   std::vector<Vector2d> line_of(const Bend&) const;
 
   const Sheet& start_;
@@ -94,10 +102,20 @@ class BendChoice {
   std::vector<Bend> bends_;  // that are not chosen yet
 };
 
-std::vector<BendChoice::Chord> BendChoice::short_chords(const PatternMesh& mesh) const {
+Points3 BendChoice::start_of(const PatternMesh& mesh) const {
   Points3 x(mesh.vertices.rows(), 3);
   for (int v = 0; v < x.rows(); ++v)
     x.row(v) = interpolate(locator_.locate(mesh.vertices.row(v)), start_.triangles, start_.x);
+  return x;
+}
+
+int BendChoice::crossings_on(const PatternMesh& mesh) const {
+  return CrossingCounter(mesh.vertices, mesh.triangles)(start_of(mesh));
+}
+
+std::vector<BendChoice::Chord> BendChoice::short_chords(const PatternMesh& mesh,
+                                                        double longest_error) const {
+  const Points3 x = start_of(mesh);
   std::vector<Chord> chords;
   for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
     const auto [i, j, left, right] = hinge.vertices;
@@ -125,9 +143,9 @@ std::vector<Vector2d> BendChoice::line_of(const Bend& bend) const {
 }
 
 /// Of the bends that a short chord crosses, the one that has half of their turn on either side.
-std::optional<Pattern> BendChoice::next(const PatternMesh& mesh) {
+std::optional<Pattern> BendChoice::next(const PatternMesh& mesh, double longest_error) {
   std::set<std::size_t> chosen;
-  for (const Chord& chord : short_chords(mesh)) {
+  for (const Chord& chord : short_chords(mesh, longest_error)) {
     std::vector<std::pair<double, std::size_t>> crossed;
     double turn = 0;
     bool divided = false;
@@ -200,10 +218,14 @@ StartMesh mesh_of_start(const Shot& shot, Method& method, const std::vector<Vect
   BendChoice choice(shot, points);
   if (!choice.any()) return start;
   const auto most = more_triangles + start.mesh.triangles.rows();
-  while (const std::optional<Pattern> bent = choice.next(start.mesh)) {
-    std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points, 1);
-    if (!mesh || mesh->triangles.rows() > most) break;
-    start = {std::move(*mesh), true};
+  const int modelled = crossings(shot.start);
+  for (double error = longest_error; error > least_error; error /= 4) {
+    while (const std::optional<Pattern> bent = choice.next(start.mesh, error)) {
+      std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points, 1);
+      if (!mesh || mesh->triangles.rows() > most) return start;
+      start = {std::move(*mesh), true};
+    }
+    if (choice.crossings_on(start.mesh) <= modelled) break;
   }
   return start;
 }

@@ -16,6 +16,9 @@ namespace {
 
 constexpr int max_halvings = 8;
 constexpr int max_halvings_for_motion = 5;
+// Paper that whips round turns so far in a step with inertia that Newton's method does not find its
+// shape at the end; in half the time it turns half as far.
+constexpr int further_halvings_for_inertia = 3;
 // A flat sheet buckles to one side when it is compressed. Its steps are so short there that neither
 // their length nor the mesh decides on the side.
 constexpr double flatness = 0.01, max_motion_of_flat_sheet = 2e-3;  // [1] of the longer side
@@ -157,6 +160,15 @@ bool are_crushed(const WorstEdge& now, double stretch_before,
                      [](const FrameStepResult& step) { return step.last.inside > give_way_depth; });
 }
 
+/// Whether a step that has not converged is taken again in halves: its sheets have inertia, and the
+/// shape at its end would be that from which the next one gets its velocity.
+bool converges_in_halves(const std::vector<DrivenSheet>& sheets, const FrameInterval& frame,
+                         const FramePart& part) {
+  return part.halvings < frame.min_halvings + further_halvings_for_inertia &&
+         std::any_of(sheets.begin(), sheets.end(),
+                     [](const DrivenSheet& f) { return f.elastic.inertia() == Inertia::dynamic; });
+}
+
 /// Takes a part of the frame in one step.
 /// returns  nothing if the step was accepted
 std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
@@ -177,13 +189,13 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   rejection.worst = worst_edge_of(sheets);
   const double trusted =
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
-  bool unfinished = false;
+  bool unfinished = !converged && converges_in_halves(sheets, frame, part);
   if (may_jam(sheets, part.halvings)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
     const bool crushed =
         rejection.not_finite || are_crushed(rejection.worst, stretch_before, result);
     rejection.jammed = crushed && !far;
-    unfinished = crushed || (far && !converged);
+    unfinished |= crushed || (far && !converged);
   }
   if (rejection.not_finite || !(rejection.worst.error < trusted) || unfinished) return rejection;
   for (const DrivenSheet& f : sheets)

@@ -24,6 +24,8 @@ struct Air {
   double fps = 24;  // [1/s] of the rows of the winds
 };
 
+inline constexpr double drag_across = 1.2;  // [1] C_d of a plate across the wind
+
 // [1] Part of its velocity that a sheet keeps in 1/24 s in a vacuum, so that a swing dies away:
 // assumed
 inline constexpr double velocity_kept = 0.98;

@@ -9,8 +9,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double across = 1.2, along = 0.02;  // [1] C_d, C_f
-constexpr double still = 1e-9;                // [m/s]
+constexpr double along = 0.02;  // [1] C_f
+constexpr double still = 1e-9;  // [m/s]
 
 /// Integral of sqrt((1 - c)/c) from 0 to c.
 double pressure_up_to(double c) { return std::sqrt(c * (1 - c)) + std::asin(std::sqrt(c)); }
@@ -85,7 +85,7 @@ AirDrag::AirDrag(const Air& air, const Sheet& sheet, double dt, double time) {
     panels_.push_back(
         {p.vertices, p.centre + dt * p.wind,
          0.5 * air.density * p.area * p.slip.norm() / dt *
-             (across * pressure * normal + along * (Eigen::Matrix3d::Identity() - normal))});
+             (drag_across * pressure * normal + along * (Eigen::Matrix3d::Identity() - normal))});
   }
 }
 
