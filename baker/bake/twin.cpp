@@ -3,20 +3,52 @@
 #include "core/geometry/random.h"
 #include "core/model/pattern.h"
 
+#include <algorithm>
+
 namespace paperbake {
+
+namespace {
+
+/// Random displacements of at most twin_jitter on each axis.
+class Jitter {
+ public:
+  explicit Jitter(unsigned seed) : seed_(seed) {}
+  Vector3d next() {
+    Vector3d moved;
+    for (double& axis : moved) axis = twin_jitter * uniform(seed_, draw_++);
+    return moved;
+  }
+
+ private:
+  unsigned seed_;
+  std::uint64_t draw_ = 0;
+};
+
+bool moves(const Handle& handle) {
+  for (int row = 1; row < handle.keyed.rows(); ++row)
+    if (handle.keyed.row(row) != handle.keyed.row(row - 1)) return true;
+  return false;
+}
+
+}  // namespace
 
 BakePlan twin_of(const BakePlan& plan) {
   BakePlan twin = plan;
   twin.animation.checks_mesh = false;
   for (std::size_t s = 0; s < twin.shots.size(); ++s) {
-    std::uint64_t draw = 0;
-    const unsigned seed = seed_of_sheet(plan, s);
-    for (Handle& handle : twin.shots[s].handles) {
+    Jitter jitter(seed_of_sheet(plan, s));
+    Shot& shot = twin.shots[s];
+    if (std::none_of(shot.handles.begin(), shot.handles.end(), moves)) {
+      const Vector3d moved = jitter.next();
+      shot.start.x.rowwise() += moved.transpose();
+      for (Handle& handle : shot.handles) handle.keyed.rowwise() += moved.transpose();
+      continue;
+    }
+    for (Handle& handle : shot.handles) {
       const Points3 keyed = handle.keyed;
       Vector3d moved = Vector3d::Zero();
       for (int row = 1; row < keyed.rows(); ++row) {
-        if (keyed.row(row) != keyed.row(row - 1))
-          for (double& axis : moved) axis = twin_jitter * uniform(seed, draw++);
+        if (keyed.row(row) != keyed.row(row - 1)) moved = jitter.next();
         handle.keyed.row(row) += moved.transpose();
       }
     }

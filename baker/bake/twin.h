@@ -11,13 +11,15 @@
 
 namespace paperbake {
 
-/// The twin of a bake (--twin) is the same simulation with handles that are moved by a thousandth
-/// of a millimetre, less than any hand or file cares about. Where its shape moves away, the scene
-/// does not determine the shape: it branches (baker/output/twin_verdict.h).
+/// The twin of a bake (--twin) is the same simulation with handles, or sheets that no handle moves,
+/// that are moved by a thousandth of a millimetre, less than any hand or file cares about. Where its
+/// shape moves away, the scene does not determine the shape: it branches
+/// (baker/output/twin_verdict.h).
 
 /// The plan of the twin: every handle is moved on each axis by a random number of at most
 /// twin_jitter, another one in each frame in which it moves. In the first frame, and where it
-/// rests, nothing is changed.
+/// rests, nothing is changed. A sheet whose handles all rest, or which has none, begins as far away
+/// as a whole, with its handles: colliders, other sheets and winds meet it elsewhere.
 BakePlan twin_of(const BakePlan&);
 
 /// Where some hundred points of each sheet were in each frame.

@@ -248,8 +248,8 @@ std::vector<Option> maps_and_gates() {
                    to_number([](auto& s) -> auto& { return s.max_stretch_pct; })),
       with_default(
           {"twin", K::flag}, "false",
-          "Simulate a second time with handles moved by 0.001 mm, and say from which frame "
-          "on the scene is chaotic",
+          "Simulate a second time with handles, or sheets that none moves, moved by 0.001 mm, and "
+          "say from which frame on the scene is chaotic",
           [](auto& s, auto& text, auto&) { s.twin = text == "true"; }),
       with_default({"strict", K::flag}, "false",
                    "Stop if handles ask for more than paper can reach; otherwise they are followed "

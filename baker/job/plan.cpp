@@ -164,7 +164,7 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
     plan.crease_lines.push_back(crease_lines(sheet, expected));
     record_creases(sheet, plan.crease_lines.back(), used);
     for (const std::string& sentence : sheet.handles_off)
-      plan.start_faults.push_back({sheet.name, sentence});
+      plan.start_faults.push_back({{sheet.name}, sentence});
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
     add_expected_creases(plan.shots.back(), std::move(expected));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));

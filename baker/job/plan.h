@@ -23,8 +23,8 @@ struct UnreachablePairOfSheet {
 
 /// What is wrong with a sheet where it begins, and may be why it cannot follow later.
 struct StartFault {
-  std::string sheet;
-  std::string sentence;  // the beginning of one of BakePlan::warnings
+  std::vector<std::string> sheets;  // names of those that it is about
+  std::string sentence;             // the beginning of one of BakePlan::warnings
 };
 
 /// Without --map-frames debug pictures are drawn of every 6th frame, of the last one, and of frames

@@ -4,6 +4,7 @@
 #include "core/animation/obstructed_paths.h"
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
+#include "core/geometry/sheet_distance.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -69,20 +70,39 @@ void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& pla
           "Move one of them apart in the first frame, or give the collider the property "
           "paper_collider = \"inside\" or \"outside\", which says where the paper stays.";
       if (settings.strict) throw Error(ErrorCode::scene, settings.scene.string(), cause, remedy);
-      plan.start_faults.push_back({shot.sheet_name, cause});
+      plan.start_faults.push_back({{shot.sheet_name}, cause});
       plan.warnings.push_back(cause + " " + remedy);
     }
   }
 }
 
 void warn_of_sheets_in_each_other(BakePlan& plan) {
-  for (std::size_t b = 0; b < plan.shots.size(); ++b)
-    for (std::size_t a = 0; a < b; ++a)
-      if (crossings_between(plan.shots[a].start, plan.shots[b].start) > 0)
-        plan.warnings.push_back(fmt::format(
-            "The sheets \"{}\" and \"{}\" pass through each other in the first frame: they are not "
-            "kept apart where they do. Move one of them, or join them into one mesh.",
-            plan.shots[a].sheet_name, plan.shots[b].sheet_name));
+  const auto warn = [&](const Shot& a, const Shot& b, const std::string& how, const char* remedy) {
+    const std::string cause =
+        fmt::format("The sheets \"{}\" and \"{}\" {}.", a.sheet_name, b.sheet_name, how);
+    plan.start_faults.push_back({{a.sheet_name, b.sheet_name}, cause});
+    plan.warnings.push_back(cause + " " + remedy);
+  };
+  for (std::size_t j = 0; j < plan.shots.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      const Shot &a = plan.shots[i], &b = plan.shots[j];
+      if (crossings_between(a.start, b.start) > 0) {
+        warn(a, b,
+             "pass through each other in the first frame: they are not kept apart where they do",
+             "Move one of them, or join them into one mesh.");
+        continue;
+      }
+      // where the middles of two sheets are nearer than this, half of one is in half of the other
+      const double thick = (a.paper.thickness + b.paper.thickness) / 4,
+                   apart = std::min(distance_of_inside(a.pattern, a.start, b.start, thick),
+                                    distance_of_inside(b.pattern, b.start, a.start, thick));
+      if (apart >= thick) continue;
+      warn(a, b,
+           fmt::format("lie {:.3g} mm from each other in the first frame, less than half as far as "
+                       "paper is thick: they may pass through each other",
+                       1e3 * apart),
+           "Move one of them away by 0.1 mm or more.");
+    }
 }
 
 void warn_of_coarse_mesh(const BakeSettings& settings, BakePlan& plan) {

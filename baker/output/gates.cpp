@@ -85,7 +85,7 @@ class Review {
              "Frame {}{}: {}.{}", worst->frame,
              plan_.shots.size() > 1 ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
              sentence(*worst, value(*worst)), also),
-         advice(gate, plan_), static_cast<int>(others.size()) + 1});
+         advice(gate, plan_), static_cast<int>(others.size()) + 1, false, worst->sheet});
   }
 
   /// The same of the render mesh, after the simulated one was checked.
@@ -166,9 +166,13 @@ void review_crossings(Review& review) {
       pairs("rendered triangles of two sheets"));
 }
 
+bool is_about(const StartFault& fault, const std::string& sheet) {
+  return std::find(fault.sheets.begin(), fault.sheets.end(), sheet) != fault.sheets.end();
+}
+
 bool has_start_fault(const BakePlan& plan, const std::string& sheet) {
   return std::any_of(plan.start_faults.begin(), plan.start_faults.end(),
-                     [&](const StartFault& fault) { return fault.sheet == sheet; });
+                     [&](const StartFault& fault) { return is_about(fault, sheet); });
 }
 
 /// What touches a sheet in a frame, and may be in the way of its handles.
@@ -241,7 +245,8 @@ Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
 }
 
 /// Adds to a sentence what was wrong at the beginning: it may be why a gate was missed. To that on
-/// handles, if there is one, and to none on the render mesh alone.
+/// handles, if there is one, and to none on the render mesh alone. A fault of the sheet that the
+/// sentence is about is told before those of others.
 void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedGate>& missed) {
   if (faults.empty()) return;
   const auto find = [&](const auto& is_it) {
@@ -250,7 +255,10 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
   auto told = find([](const MissedGate& m) { return m.gate == Gate::handles; });
   if (told == missed.end()) told = find([](const MissedGate& m) { return !m.only_of_rendering; });
   if (told == missed.end()) return;
-  told->sentence += " This may be the cause: " + faults.front().sentence;
+  auto fault = std::find_if(faults.begin(), faults.end(),
+                            [&](const StartFault& one) { return is_about(one, told->sheet); });
+  if (fault == faults.end()) fault = faults.begin();
+  told->sentence += " This may be the cause: " + fault->sentence;
   if (faults.size() > 1)
     told->sentence += fmt::format(" {} more faults are told by warnings.", faults.size() - 1);
 }

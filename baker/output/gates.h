@@ -30,6 +30,7 @@ struct MissedGate {
   std::string advice;
   int frames = 0;                  // in how many it is missed
   bool only_of_rendering = false;  // the simulated sheet keeps it
+  std::string sheet = {};          // of its worst frame
 };
 
 /// The gates that were missed, the one that is missed in most frames first. Empty: none was.

@@ -23,10 +23,9 @@ std::string describe(const TwinVerdict& verdict) {
   const std::string most = fmt::format("{:.2g} % of the side, in frame {}", 100 * verdict.largest,
                                        verdict.frame_of_largest);
   if (!verdict.chaotic_from)
-    return fmt::format("twin: handles moved by a micrometre move the paper by at most {}.", most);
+    return fmt::format("twin: a micrometre moves the paper by at most {}.", most);
   return fmt::format(
-      "twin: from frame {} on the scene is chaotic: handles moved by a micrometre move the paper "
-      "by up to {}.",
+      "twin: from frame {} on the scene is chaotic: a micrometre moves the paper by up to {}.",
       *verdict.chaotic_from, most);
 }
 

@@ -8,7 +8,7 @@
 
 namespace paperbake {
 
-constexpr double twin_jitter = 1e-6;  // [m] how far the handles of a twin are moved on each axis
+constexpr double twin_jitter = 1e-6;  // [m] how far a twin is moved on each axis
 // [1] RMS distance of a twin, in shares of the longer side, beyond which a frame is called chaotic:
 // two hundred times the jitter on a letter, and a fifth of a millimetre
 constexpr double twin_limit = 1e-3;

@@ -1,6 +1,7 @@
 #include "core/geometry/sheet_distance.h"
 
 #include "core/geometry/box_of.h"
+#include "core/geometry/point_location.h"
 #include "core/geometry/proximity.h"
 
 #include <Eigen/Geometry>
@@ -75,6 +76,29 @@ double distance_between(const Sheet& a, const Sheet& b, double within) {
   double least = within;
   for_each_near(a, b, least,
                 [&](int s, int t) { least = std::min(least, distance_of(a, s, b, t)); });
+  return least;
+}
+
+double distance_of_inside(const Pattern& pattern, const Sheet& sheet, const Sheet& other,
+                          double within) {
+  constexpr int along = 16;
+  if (!grown(box_of(sheet.x), within).intersects(box_of(other.x))) return within;
+  const PointLocator locator(sheet.pattern, sheet.triangles);
+  const Vector2d cell = extent(pattern) / along;
+  std::vector<std::vector<Vector3d>> inside(sheet.triangles.rows());
+  for (int i = 0; i < along; ++i)
+    for (int j = 0; j < along; ++j) {
+      const Vector2d p = cell.cwiseProduct(Vector2d(i + 0.5, j + 0.5));
+      if (!contains(pattern, p, 0)) continue;
+      const MeshPoint at = locator.locate(p);
+      inside[at.triangle].push_back(interpolate(at, sheet.triangles, sheet.x));
+    }
+  double least = within;
+  for_each_near(sheet, other, least, [&](int s, int t) {
+    const auto corner = [&](int i) -> Vector3d { return other.x.row(other.triangles(t, i)); };
+    for (const Vector3d& p : inside[s])
+      least = std::min(least, vertex_to_triangle({p, corner(0), corner(1), corner(2)}).distance());
+  });
   return least;
 }
 

@@ -107,7 +107,8 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const auto remedy = [&] {
     return unit_remedy(scene, unit ? std::vector{*unit} : usual_units(scene, size), size);
   };
-  if (longer > max_sheet_side || longer < min_sheet_side)
+  constexpr double rounding = 1e-6;  // [1] of a file's single precision
+  if (longer > (1 + rounding) * max_sheet_side || longer < (1 - rounding) * min_sheet_side)
     throw Error(ErrorCode::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),

@@ -4,6 +4,7 @@
 #include "baker/job/plan_warnings.h"
 #include "core/model/error.h"
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
 
@@ -166,13 +167,25 @@ TEST(PlanTest, EveryKeyOfTheSceneCountsForWhatLooksAheadToIt) {
 TEST(PlanTest, SheetsThatPassThroughEachOtherInTheFirstFrameAreTold) {
   BakePlan plan;
   plan.shots.resize(2);
-  for (Shot& shot : plan.shots) shot.start = test::hex_sheet(0.1, 0.1, 20);
+  for (Shot& shot : plan.shots) {
+    shot.pattern = test::rectangle(0.1, 0.1);
+    shot.start = test::hex_sheet(0.1, 0.1, 20);
+  }
   plan.shots[0].sheet_name = "paper";
   plan.shots[1].sheet_name = "letter";
   Points3& x = plan.shots[1].start.x;
   x.col(2).setConstant(0.001);
   warn_of_sheets_in_each_other(plan);
   EXPECT_TRUE(plan.warnings.empty()) << "one lies on the other";
+  x.col(2).setConstant(2e-5);
+  warn_of_sheets_in_each_other(plan);
+  ASSERT_EQ(plan.warnings.size(), 1u);
+  EXPECT_EQ(plan.warnings[0].rfind("The sheets \"paper\" and \"letter\" lie 0.02 mm from each", 0),
+            0u)
+      << plan.warnings[0];
+  ASSERT_EQ(plan.start_faults.size(), 1u);
+  EXPECT_EQ(plan.start_faults[0].sheets, (std::vector<std::string>{"paper", "letter"}));
+  plan.warnings.clear();
   x.col(2) = x.col(0).array() - 0.043;
   x.col(1).array() += 0.0013;  // edges do not meet edges
   warn_of_sheets_in_each_other(plan);

@@ -158,7 +158,7 @@ TEST(Gates, WhereOnlyTheRenderMeshIsAtFaultAllSentencesSaySo) {
   frames[0].statistics.render->stretch_mean = 0.05;
   for (FrameRecord& f : frames) f.statistics.render->stretch_max = 0.2;
   BakePlan plan;
-  plan.start_faults = {{"paper", "The sheet begins in a collider."}};
+  plan.start_faults = {{{"paper"}, "The sheet begins in a collider."}};
   const std::vector<MissedGate> missed = missed_gates({}, frames, plan);
   ASSERT_EQ(missed.size(), 2u);
   EXPECT_NE(missed[0].advice.find("--mesh simulation"), std::string::npos) << missed[0].advice;
@@ -221,7 +221,7 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
   EXPECT_NE(missed_gates({}, frames, plan).at(0).sentence.find("though nothing touches"),
             std::string::npos);
   plan.start_faults = {
-      {"paper", "The sheet \"paper\" begins 10.00 mm deep in the collider \"c\"."}};
+      {{"paper"}, "The sheet \"paper\" begins 10.00 mm deep in the collider \"c\"."}};
   const std::string from_the_start = missed_gates({}, frames, plan).at(0).sentence;
   EXPECT_EQ(from_the_start.find("though nothing touches"), std::string::npos) << from_the_start;
   EXPECT_NE(from_the_start.find("This may be the cause: The sheet \"paper\" begins 10.00 mm deep"),
@@ -231,6 +231,22 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
                           "not solved"),
             std::string::npos)
       << sentence;
+}
+
+TEST(Gates, AFaultOfTheSheetThatMissesTheGateIsToldFirst) {
+  FrameRecord bad = rendered(5);
+  bad.sheet = "paper.b";
+  bad.statistics.crossings_with_others = 3;
+  BakePlan plan;
+  plan.start_faults = {{{"paper.a"}, "It begins in a table."},
+                       {{"paper.c", "paper.b"}, "They lie on each other."}};
+  const std::string sentence = missed_gates({}, {bad}, plan).at(0).sentence;
+  EXPECT_NE(sentence.find("This may be the cause: They lie on each other. 1 more fault"),
+            std::string::npos)
+      << sentence;
+  bad.sheet = "paper.d";
+  EXPECT_NE(missed_gates({}, {bad}, plan).at(0).sentence.find("cause: It begins in a table."),
+            std::string::npos);
 }
 
 TEST(Gates, EveryMissedGateHasAnAdvice) {

@@ -4,6 +4,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/proximity.h"
 #include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,19 @@ TEST(SheetDistanceTest, FractionOfNearVerticesIsCountedOnBothSheets) {
   EXPECT_EQ(share_within(a, b, 5e-5), 0);
   b.x.col(0).array() += 0.05;
   EXPECT_NEAR(share_within(a, b, 2e-4), 0.5, 0.15);
+}
+
+TEST(SheetDistanceTest, SheetsWithACommonBorderAreApartInside) {
+  const Pattern square = test::rectangle(0.1, 0.1);
+  const Sheet a = test::hex_sheet(0.1, 0.1, 6, 0.2, 1);
+  Sheet above = a, beside = a;
+  above.x.col(2).array() += 3e-5;
+  above.x.col(0).array() += 0.06;
+  beside.x.col(0).array() += 0.1;
+  EXPECT_NEAR(distance_of_inside(square, a, above, 1e-4), 3e-5, 1e-12);
+  EXPECT_EQ(distance_of_inside(square, a, above, 2e-5), 2e-5);
+  EXPECT_EQ(distance_between(a, beside, 1e-4), 0);
+  EXPECT_EQ(distance_of_inside(square, a, beside, 1e-4), 1e-4);
 }
 
 TEST(SheetDistanceTest, IntersectionsOfTwoSheetsAreThoseBetweenTheirTriangles) {
