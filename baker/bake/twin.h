@@ -12,8 +12,8 @@
 namespace paperbake {
 
 /// The twin of a bake (--twin) is the same simulation with handles, or sheets that no handle moves,
-/// that are moved by a thousandth of a millimetre, less than any hand or file cares about. Where its
-/// shape moves away, the scene does not determine the shape: it branches
+/// that are moved by a thousandth of a millimetre, less than any hand or file cares about. Where
+/// its shape moves away, the scene does not determine the shape: it branches
 /// (baker/output/twin_verdict.h).
 
 /// The plan of the twin: every handle is moved on each axis by a random number of at most
