@@ -120,7 +120,7 @@ bool Attempts::is_doubtful() const {
 }
 
 bool Attempts::is_mesh_doubted() const {
-  return watches_ && !failing_ && may_be_finer(settings_) && !is_rehearsed_finer_ &&
+  return watches_ && !failing_ && may_be_finer(settings_) && !begins_finer_ &&
          seen_.off <= tolerance_of_attempts() && (seen_.crumpled || is_coarse());
 }
 
@@ -142,7 +142,7 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   Bends& bends = bends_[frame.sheet_index];
   const bool is_first = frame.frame == first_.animation.first_frame;
-  if (is_first) is_rehearsed_finer_ |= frame.statistics.doublings > 0;
+  if (is_first) begins_finer_ |= frame.statistics.doublings > 0;
   bends.may_be_sharp |= !sheet.singular.empty() || !sheet.prescribed_creases.empty();
   if (bends.may_be_sharp) return;
   ++bends.frames;

@@ -100,7 +100,7 @@ class Attempts {
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
   // whether a rehearsal has put a sheet on a finer first mesh: it knows those beyond it, too
-  bool is_rehearsed_finer_ = false;
+  bool begins_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
   bool moved_ = false;  // whether a handle has (have_moved)
 };

@@ -18,8 +18,9 @@ namespace paperbake {
 
 /// The plan of the twin: every handle is moved on each axis by a random number of at most
 /// twin_jitter, another one in each frame in which it moves. In the first frame, and where it
-/// rests, nothing is changed. A sheet whose handles all rest, or which has none, begins as far away
-/// as a whole, with its handles: colliders, other sheets and winds meet it elsewhere.
+/// rests, nothing is changed. A sheet that no handle moves while it holds is displaced and tilted
+/// by as much as a whole, with its handles: colliders, other sheets, weight and wind meet it in
+/// another way.
 BakePlan twin_of(const BakePlan&);
 
 /// Where some hundred points of each sheet were in each frame.

@@ -77,12 +77,15 @@ void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& pla
 }
 
 void warn_of_sheets_in_each_other(BakePlan& plan) {
-  const auto warn = [&](const Shot& a, const Shot& b, const std::string& how, const char* remedy) {
+  const auto warn = [&](const Shot& a, const Shot& b, const std::string& how,
+                        const std::string& remedy) {
     const std::string cause =
         fmt::format("The sheets \"{}\" and \"{}\" {}.", a.sheet_name, b.sheet_name, how);
     plan.start_faults.push_back({{a.sheet_name, b.sheet_name}, cause});
     plan.warnings.push_back(cause + " " + remedy);
   };
+  constexpr int most_told = 3;
+  int in_one_place = 0;
   for (std::size_t j = 0; j < plan.shots.size(); ++j)
     for (std::size_t i = 0; i < j; ++i) {
       const Shot &a = plan.shots[i], &b = plan.shots[j];
@@ -96,13 +99,16 @@ void warn_of_sheets_in_each_other(BakePlan& plan) {
       const double thick = (a.paper.thickness + b.paper.thickness) / 4,
                    apart = std::min(distance_of_inside(a.pattern, a.start, b.start, thick),
                                     distance_of_inside(b.pattern, b.start, a.start, thick));
-      if (apart >= thick) continue;
+      if (apart >= thick || ++in_one_place > most_told) continue;
       warn(a, b,
            fmt::format("lie {:.3g} mm from each other in the first frame, less than half as far as "
                        "paper is thick: they may pass through each other",
                        1e3 * apart),
-           "Move one of them away by 0.1 mm or more.");
+           fmt::format("Move one of them away by {:.2g} mm or more.", 1e3 * 2 * thick));
     }
+  if (in_one_place > most_told)
+    plan.warnings.push_back(fmt::format("{} more pairs of sheets lie as near to each other.",
+                                        in_one_place - most_told));
 }
 
 void warn_of_coarse_mesh(const BakeSettings& settings, BakePlan& plan) {

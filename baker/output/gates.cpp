@@ -260,7 +260,8 @@ void add_start_faults(const std::vector<StartFault>& faults, std::vector<MissedG
   if (fault == faults.end()) fault = faults.begin();
   told->sentence += " This may be the cause: " + fault->sentence;
   if (faults.size() > 1)
-    told->sentence += fmt::format(" {} more faults are told by warnings.", faults.size() - 1);
+    told->sentence += fmt::format(" {} more {} told by warnings.", faults.size() - 1,
+                                  faults.size() == 2 ? "fault is" : "faults are");
 }
 
 }  // namespace

@@ -10,13 +10,16 @@ namespace paperbake {
 namespace {
 
 constexpr double edges_per_wave = 12;
+// [1] of the longer side: a sheet whose middle is held streams nowhere
+constexpr double least_lever = 0.05;
 
 /// Unit vector from the points that hold the sheet to its middle, across their line. 0: none
 Vector3d streams_towards(const Shot& shot, const std::vector<int>& held) {
   Vector3d free = shot.start.x.colwise().mean().transpose() - held_middle(shot, held);
   if (const Vector3d line = held_line(shot, held); line.norm() > 0)
     free -= line * line.dot(free) / line.squaredNorm();
-  return free.norm() > 0 ? Vector3d(free.normalized()) : Vector3d::Zero();
+  const bool is_beside = free.norm() > least_lever * longer_side(shot.pattern);
+  return is_beside ? Vector3d(free.normalized()) : Vector3d::Zero();
 }
 
 }  // namespace

@@ -24,10 +24,9 @@ double flutter_wavelength(const Paper&, double air_density, double speed);
 /// first_frame  the first one of the shot
 double speed_along_flag(const Shot&, const Air&, int first_frame);
 
-/// Length of edges on which a flag can wave: a twelfth of the waves that grow fastest. [m]
-/// Infinite for sheets that are no flags. On 120 triangles, which are 5 to 7 edges a wave, flags of
-/// washi, newsprint and copier paper in 3 to 6 m/s wave a fifth to a half as far as with finite
-/// elements on 2,000, and on 480, with 11 to 14 edges, two thirds as far.
+/// Length of edges on which a flag can wave: a twelfth of the waves that grow fastest. Infinite for
+/// sheets that are no flags. On half as many edges, flags of washi, newsprint and copier paper
+/// stream out nearly like boards. [m]
 double longest_edge_of_flag(const Shot&, const Air&, int first_frame);
 
 }  // namespace paperbake

@@ -1,5 +1,7 @@
 #include "core/animation/held_points.h"
 
+#include "core/geometry/point_location.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +24,14 @@ double off_line(const Shot& shot, const std::vector<int>& held) {
     off = std::max(
         off, std::abs(across.dot(shot.handles[h].pattern - shot.handles[held.front()].pattern)));
   return off;
+}
+
+/// Where a handle holds the sheet in the first frame. [m]
+Vector3d holds_at(const Shot& shot, int handle) {
+  const Handle& h = shot.handles[handle];
+  if (h.mode != HandleMode::relative) return keyed_position(h, 0);
+  const PointLocator locator(shot.start.pattern, shot.start.triangles);
+  return interpolate(locator.locate(h.pattern), shot.start.triangles, shot.start.x);
 }
 
 }  // namespace
@@ -49,7 +59,7 @@ Vector3d held_line(const Shot& shot, const std::vector<int>& held) {
 
 Vector3d held_middle(const Shot& shot, const std::vector<int>& held) {
   Vector3d middle = Vector3d::Zero();
-  for (const int h : held) middle += keyed_position(shot.handles[h], 0) / held.size();
+  for (const int h : held) middle += holds_at(shot, h) / held.size();
   return middle;
 }
 

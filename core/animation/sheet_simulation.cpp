@@ -234,7 +234,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     add_note("it begins with " + std::to_string(1 << method_->doublings()) +
              " times as many triangles: " +
              (rehearsed_doublings_ > 0 ? "in a rehearsal a coarser mesh held it back"
-                                       : "on fewer a flag does not wave"));
+                                       : "on fewer a flag waves less"));
   if (first && lacks_triangles_)
     add_note(
         "in a rehearsal it did not bend on the finest first mesh that it may have: "

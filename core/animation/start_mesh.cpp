@@ -218,14 +218,13 @@ StartMesh mesh_of_start(const Shot& shot, Method& method, const std::vector<Vect
   BendChoice choice(shot, points);
   if (!choice.any()) return start;
   const auto most = more_triangles + start.mesh.triangles.rows();
-  const int modelled = crossings(shot.start);
   for (double error = longest_error; error > least_error; error /= 4) {
     while (const std::optional<Pattern> bent = choice.next(start.mesh, error)) {
       std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points, 1);
       if (!mesh || mesh->triangles.rows() > most) return start;
       start = {std::move(*mesh), true};
     }
-    if (choice.crossings_on(start.mesh) <= modelled) break;
+    if (choice.crossings_on(start.mesh) == 0 || crossings(shot.start) > 0) break;
   }
   return start;
 }

@@ -26,7 +26,7 @@ struct StartMesh {
 /// The first mesh of a shot. Where the start shape is bent more tightly than the method's own mesh
 /// can show, so that an edge between two of its points would be 0.2 % too short, bends become rows
 /// of edges: as many as it takes, but with no more than 2,000 triangles more. Where the mesh would
-/// still pass through itself more often than the start shape does, as where a roll lies on the flat
+/// still pass through itself and the start shape does not, as where a roll lies on the flat
 /// part that it ends in, smaller errors count. On a smooth roll the rows are up to 12 degrees of
 /// turn apart, because the chord of an arc of angle t is short by t^2 / 24.
 /// A start shape that the method's own mesh can show gets that mesh.

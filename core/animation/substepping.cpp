@@ -160,13 +160,17 @@ bool are_crushed(const WorstEdge& now, double stretch_before,
                      [](const FrameStepResult& step) { return step.last.inside > give_way_depth; });
 }
 
-/// Whether a step that has not converged is taken again in halves: its sheets have inertia, and the
-/// shape at its end would be that from which the next one gets its velocity.
-bool converges_in_halves(const std::vector<DrivenSheet>& sheets, const FrameInterval& frame,
-                         const FramePart& part) {
-  return part.halvings < frame.min_halvings + further_halvings_for_inertia &&
-         std::any_of(sheets.begin(), sheets.end(),
-                     [](const DrivenSheet& f) { return f.elastic.inertia() == Inertia::dynamic; });
+/// Whether a step is taken again in halves because sheets with inertia have not converged: their
+/// shapes at its end are those from which the next step gets its velocities. As long as there are
+/// halves: what has not converged is no reason to give up a frame.
+bool converge_in_halves(const std::vector<DrivenSheet>& sheets, const FrameInterval& frame,
+                        const FramePart& part, const std::vector<FrameStepResult>& steps) {
+  if (part.halvings >= std::min(frame.min_halvings + further_halvings_for_inertia,
+                                std::max(max_halvings, frame.min_halvings)))
+    return false;
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    if (!steps[k].converged && sheets[k].elastic.inertia() == Inertia::dynamic) return true;
+  return false;
 }
 
 /// Takes a part of the frame in one step.
@@ -189,7 +193,7 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   rejection.worst = worst_edge_of(sheets);
   const double trusted =
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
-  bool unfinished = !converged && converges_in_halves(sheets, frame, part);
+  bool unfinished = converge_in_halves(sheets, frame, part, result);
   if (may_jam(sheets, part.halvings)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
     const bool crushed =

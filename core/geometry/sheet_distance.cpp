@@ -85,11 +85,13 @@ double distance_of_inside(const Pattern& pattern, const Sheet& sheet, const Shee
   if (!grown(box_of(sheet.x), within).intersects(box_of(other.x))) return within;
   const PointLocator locator(sheet.pattern, sheet.triangles);
   const Vector2d cell = extent(pattern) / along;
+  const double from_border = 0.49 * cell.minCoeff();
   std::vector<std::vector<Vector3d>> inside(sheet.triangles.rows());
   for (int i = 0; i < along; ++i)
     for (int j = 0; j < along; ++j) {
       const Vector2d p = cell.cwiseProduct(Vector2d(i + 0.5, j + 0.5));
-      if (!contains(pattern, p, 0)) continue;
+      if (!contains(pattern, p, 0) || (nearest_border_point(pattern, p) - p).norm() < from_border)
+        continue;
       const MeshPoint at = locator.locate(p);
       inside[at.triangle].push_back(interpolate(at, sheet.triangles, sheet.x));
     }

@@ -127,7 +127,9 @@ TEST_P(WrappedTest, ItsCornersFoldLikeGussetsAndItsHandlesAreMet) {
   for (const json& frame : all) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.3) << where;
-    EXPECT_LE(frame["stretch_max_pct"].get<double>(), hangs ? 0.7 : 0.3) << where;
+    const int at = frame["frame"];
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), hangs && at > 21 && at < 25 ? 0.7 : 0.3)
+        << where;
     EXPECT_EQ(frame["crossings"], 0) << where;
   }
   EXPECT_EQ(all.back()["folds"], 8) << "four lines and four gussets";

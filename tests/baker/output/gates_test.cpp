@@ -241,7 +241,7 @@ TEST(Gates, AFaultOfTheSheetThatMissesTheGateIsToldFirst) {
   plan.start_faults = {{{"paper.a"}, "It begins in a table."},
                        {{"paper.c", "paper.b"}, "They lie on each other."}};
   const std::string sentence = missed_gates({}, {bad}, plan).at(0).sentence;
-  EXPECT_NE(sentence.find("This may be the cause: They lie on each other. 1 more fault"),
+  EXPECT_NE(sentence.find("This may be the cause: They lie on each other. 1 more fault is told"),
             std::string::npos)
       << sentence;
   bad.sheet = "paper.d";

@@ -60,10 +60,11 @@ Shot rolled(int columns = 160) {
 }
 
 /// A third of the strip is flat, and the rest is rolled up over it in two turns of flat facets that
-/// turn by about 15 degrees each, 0.2 mm apart.
-Shot rolled_up_at_one_end() {
+/// turn by about 15 degrees each.
+/// pitch  [m] between the layers
+Shot rolled_up_at_one_end(double pitch = 2e-4) {
   constexpr int columns = 85, flat = 28;
-  constexpr double facet = length / columns, outer = 0.0139, pitch = 0.0002;
+  constexpr double facet = length / columns, outer = 0.0139;
   std::vector<Vector2d> at{{0, 0}};
   double turn = 0;
   for (int i = 0; i < columns; ++i) {
@@ -165,6 +166,15 @@ TEST(StartMeshTest, AFoldGoesThroughTheHandlesThatStandOnIt) {
   for (std::size_t k = 0; k < points.size(); ++k)
     EXPECT_LT((start.mesh.vertices.row(start.mesh.point_vertex[k]) - points[k].transpose()).norm(),
               1e-9);
+}
+
+// No mesh parts what passes through itself as it was modelled.
+TEST(StartMeshTest, ARollThatIsModelledThroughItselfGetsNoFinerMeshThanOneThatIsNot) {
+  const Shot apart = rolled_up_at_one_end(), through = rolled_up_at_one_end(1e-4);
+  ASSERT_GT(crossings(through.start), 0);
+  const std::unique_ptr<Method> one = hybrid_of(apart).make(), other = hybrid_of(through).make();
+  EXPECT_LE(mesh_of_start(through, *other, {}).mesh.triangles.rows(),
+            mesh_of_start(apart, *one, {}).mesh.triangles.rows());
 }
 
 TEST(StartMeshTest, BendsAreNotFixed) {
