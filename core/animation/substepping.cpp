@@ -162,14 +162,17 @@ bool are_crushed(const WorstEdge& now, double stretch_before,
 
 /// Whether a step is taken again in halves because sheets with inertia have not converged: their
 /// shapes at its end are those from which the next step gets its velocities. As long as there are
-/// halves: what has not converged is no reason to give up a frame.
+/// halves: what has not converged is no reason to give up a frame. Not for sheets with creases:
+/// there a panel snaps through, and shorter steps only stretch it for longer.
 bool converge_in_halves(const std::vector<DrivenSheet>& sheets, const FrameInterval& frame,
                         const FramePart& part, const std::vector<FrameStepResult>& steps) {
   if (part.halvings >= std::min(frame.min_halvings + further_halvings_for_inertia,
                                 std::max(max_halvings, frame.min_halvings)))
     return false;
   for (std::size_t k = 0; k < sheets.size(); ++k)
-    if (!steps[k].converged && sheets[k].elastic.inertia() == Inertia::dynamic) return true;
+    if (!steps[k].converged && sheets[k].elastic.inertia() == Inertia::dynamic &&
+        sheets[k].sheet.prescribed_creases.empty())
+      return true;
   return false;
 }
 

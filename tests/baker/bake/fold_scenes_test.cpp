@@ -119,17 +119,12 @@ TEST_P(WrappedTest, ItsCornersFoldLikeGussetsAndItsHandlesAreMet) {
   const Ended ended = bake("F8_wrap", {"--base-triangles", std::to_string(triangles), "--preset",
                                        grade, "--mesh", "simulation"});
   ASSERT_EQ(ended.code, 0) << ended.err;
-  // on so few triangles a flap of tissue, which hardly weighs anything, hangs at its gusset for
-  // three frames before it swings round
-  const bool hangs = triangles == 60 && std::string(grade) == "tissue17";
   const std::vector<json> all = frames();
   ASSERT_EQ(all.size(), 66u);
   for (const json& frame : all) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.3) << where;
-    const int at = frame["frame"];
-    EXPECT_LE(frame["stretch_max_pct"].get<double>(), hangs && at > 21 && at < 25 ? 0.7 : 0.3)
-        << where;
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.3) << where;
     EXPECT_EQ(frame["crossings"], 0) << where;
   }
   EXPECT_EQ(all.back()["folds"], 8) << "four lines and four gussets";
