@@ -71,7 +71,7 @@ TEST(SheetDistanceTest, SheetsWithACommonBorderAreApartInside) {
   EXPECT_EQ(distance_between(a, beside, 1e-4), 0);
   EXPECT_EQ(distance_of_inside(square, a, beside, 1e-4), 1e-4);
   // two halves of a square, with its diagonal in common
-  const Pattern half{{{0, 0}, {0.1, 0}, {0, 0.1}}};
+  const Pattern half{{{0, 0}, {0.1, 0}, {0, 0.1}}, {}};
   Sheet left;
   left.pattern = (Points2(3, 2) << 0, 0, 0.1, 0, 0, 0.1).finished();
   left.triangles = (Triangles(1, 3) << 0, 1, 2).finished();
