@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <functional>
 #include <map>
 #include <string>
@@ -29,6 +30,17 @@ ColliderRecord collider_record(const BakePlan& plan) {
     for (const Collider& collider : *shot.colliders)
       record.of_sheet[shot.sheet_name].push_back(collider.mesh());
   return record;
+}
+
+/// A sentence about files of the bake before that are gone; empty: none is.
+std::string describe_removed(const std::vector<std::string>& files) {
+  constexpr std::size_t named = 4;
+  if (files.empty()) return "";
+  std::string text =
+      "Removed, because this bake does not write it: " +
+      fmt::to_string(fmt::join(files.begin(), files.begin() + std::min(named, files.size()), ", "));
+  if (files.size() > named) text += fmt::format(" and {} more", files.size() - named);
+  return text + ".";
 }
 
 }  // namespace
@@ -211,8 +223,11 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   std::vector<std::filesystem::path> all = files_.written();
   all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
   const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
-  files_.failures.try_write(
-      ".state/written", [&] { replace_outputs(files_.folder(), plan.name, all, stale, keys_); });
+  files_.failures.try_write(".state/written", [&] {
+    const auto removed = replace_outputs(files_.folder(), plan.name, all, stale, keys_);
+    if (const std::string told = describe_removed(removed); !told.empty())
+      context_.progress.message(told);
+  });
   if (const auto failed = final_error(failure)) throw *failed;
   remove_rendered_frames(files_.folder() / ".state");
   return outcome;

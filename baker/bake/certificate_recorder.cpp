@@ -111,7 +111,7 @@ void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatis
 }
 
 /// A stored energy is a sum of squares. And paper that moves, or whose handles move, does not stand
-/// still to the last bit, unless its step was given up.
+/// still to the last bit, unless its step was given up; or it is taut already, and they go on.
 void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
                                                    FrameRecord& record) {
   constexpr double least_motion = 1e-5;  // [m] of a handle within a frame
@@ -122,9 +122,11 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
                             frame.statistics.energy));
   const auto& before = handles_before_;
   bool moves = false;
+  const Shot& shot = bake_.plan.shots[sheet_];
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
-             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
+             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion &&
+             !is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame);
   // where the simulation itself says why the sheet stays behind, that is enough
   const bool silent = !frame.statistics.converged && frame.note.empty();
   record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, x_before_);

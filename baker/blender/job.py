@@ -43,7 +43,9 @@ def options(scene, settings):
     first, last = (settings.first, settings.last) if settings.own_frames else (scene.frame_start, scene.frame_end)
     if not scene.frame_start <= first <= last:
         raise program.Unusable(f"Frames {first} to {last} cannot be baked: the scene begins at {scene.frame_start}.")
-    words = ["--quality", settings.quality, "--method", settings.method, "--gravity", f"{settings.gravity:g}", "--frames", f"{first}-{last}"]
+    words = ["--quality", settings.quality, "--method", settings.method, "--frames", f"{first}-{last}"]
+    if settings.gravity:  # where the panel says none, that of the sheets counts
+        words += ["--gravity", f"{settings.gravity:g}"]
     words += further(settings.options)
     if abs(scene.unit_settings.scale_length - 1) > 1e-9:
         words += ["--unit-scale", f"{scene.unit_settings.scale_length:.9g}"]

@@ -89,6 +89,10 @@ class BakePanel(Panel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         for name in ("quality", "method", "gravity", "folder", "options", "own_frames"):
             layout.prop(settings, name)
+            if name == "gravity" and not settings.gravity:
+                value, origin = scene_export.gravity_of(context.scene)
+                if value:
+                    layout.label(text=f"{value:g} m/s\u00b2, from {origin}")
         if settings.own_frames:
             column = layout.column(align=True)
             column.prop(settings, "first")

@@ -95,13 +95,23 @@ def remarks(scene):
     return [sentence for sentence in found if sentence]
 
 
-def check(scene, gravity):
-    """Throws Unusable: what the program could not say as well, because it does not see this scene. gravity [m/s2]"""
+def gravity_of(scene):
+    """[m/s2] that of the panel or, where that is 0, of the property of a sheet; and what says so"""
+    if scene.paperbake.gravity:
+        return scene.paperbake.gravity, "the panel"
+    for sheet in names.of_role(scene, names.SHEET):
+        if value := sheet.get("paper_gravity"):
+            return value, f"paper_gravity of {sheet.name}"
+    return 0, "the panel"
+
+
+def check(scene):
+    """Throws Unusable: what the program could not say as well, because it does not see this scene."""
     sheets = names.of_role(scene, names.SHEET)
     if not sheets:
         raise Unusable("There is no sheet: select a mesh and press Mark Sheet.")
     holders = names.of_role(scene, names.HANDLE) + [thing for thing in scene.objects if has_marked_bones(thing)]
-    if not holders and not gravity and not any(names.of_role(scene, mover) for mover in (names.WIND, names.COLLIDER)):
+    if not holders and not gravity_of(scene)[0] and not any(names.of_role(scene, mover) for mover in (names.WIND, names.COLLIDER)):
         raise Unusable("Nothing holds the sheet, and nothing moves it: select empties and press Mark Handles, press Add Handles, "
                        "or give it Gravity, a wind or a collider.")
     for thing in holders:
@@ -214,7 +224,7 @@ def check_times(path, last, fps):
 
 def write(scene, path, last):
     """The clip from the scene's first frame to `last`, handles as Blender itself has them at every frame. Throws Unusable."""
-    check(scene, scene.paperbake.gravity)
+    check(scene)
     fps = frames_per_second(scene)
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")

@@ -54,6 +54,10 @@ Sheet as_sheet(const CacheFrame& frame, double side) {
   return sheet;
 }
 
+/// [J] A sheet that stores less is flat, as far as its energy tells: about what it takes to bend it
+/// by a thousandth of a radian.
+double energy_of_flat(const BakedSheet& sheet) { return 1e-6 * sheet.shot.paper.bending_stiffness; }
+
 /// Why the estimate of a frame is uncertain; empty: it is not. Where the stored energy falls by
 /// more than 30 % within a frame, the sheet snaps, and a simulation that snaps one frame later has
 /// another shape there.
@@ -62,7 +66,7 @@ std::string doubt(const BakedSheet& sheet, std::size_t at) {
   const FrameRecord& now = sheet.frames[at];
   for (std::size_t k = 1; k < sheet.frames.size(); ++k)
     if (std::abs(sheet.frames[k].frame - now.frame) <= about_a_snap &&
-        energy(k) < (1 - drop_of_a_snap) * energy(k - 1))
+        energy(k - 1) > energy_of_flat(sheet) && energy(k) < (1 - drop_of_a_snap) * energy(k - 1))
       return fmt::format(
           "the energy falls by {:.0f} % at frame {}: the timing of a snap is uncertain",
           100 * (1 - energy(k) / energy(k - 1)), sheet.frames[k].frame);
@@ -98,9 +102,11 @@ class Estimator {
         found == sheet_.held.end() ? std::vector<HeldHandle>{} : found->second;
     const Polished polished = fine_(baked, held);
     e.rms_pct = 100 * polished.moved / sheet_.side;
-    e.energy_loss_pct = energy > 0 ? 100 * (1 - polished.energy / energy) : 0;
+    e.energy_loss_pct =
+        energy > energy_of_flat(sheet_) ? 100 * (1 - polished.energy / energy) : NAN;
     e.uncertain = doubt(sheet_, at);
-    if (e.uncertain.empty() && polished.energy > of_another_paper * energy)
+    if (e.uncertain.empty() &&
+        polished.energy > of_another_paper * std::max(energy, energy_of_flat(sheet_)))
       e.uncertain = "paper that has yielded stores less, and what it keeps is not in the files";
     if (e.uncertain.empty() && !polished.converged)
       e.uncertain = "the finer mesh did not come to rest";
@@ -242,7 +248,9 @@ std::string estimates_text(const ErrorEstimates& all) {
       text += "none: " + e.uncertain + "\n";
       continue;
     }
-    text += fmt::format("{:.3f} %, energy {:+.1f} %", e.rms_pct, -e.energy_loss_pct);
+    text += fmt::format("{:.3f} %", e.rms_pct);
+    if (!std::isnan(e.energy_loss_pct))
+      text += fmt::format(", energy {:+.1f} %", -e.energy_loss_pct);
     if (e.lower_branch_pct > 0)
       text += fmt::format("; another shape under the same handles has {:.0f} % less energy",
                           e.lower_branch_pct);

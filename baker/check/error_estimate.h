@@ -15,7 +15,8 @@ struct ErrorEstimate {
   std::string sheet;
   // how far it moved, of the longer side; NaN: it was not brought anywhere
   double rms_pct = 0;
-  // how much less energy it stores there than the certificate says of the frame; below 0: more
+  // how much less energy it stores there than the certificate says of the frame; below 0: more;
+  // NaN: it stores next to nothing
   double energy_loss_pct = 0;
   // another shape under the same handles has so much less energy; 0: none was found
   double lower_branch_pct = 0;

@@ -3,7 +3,6 @@
 #include "baker/check/inspect_colliders.h"
 #include "baker/job/plan.h"
 #include "baker/job/plan_warnings.h"
-#include "core/animation/obstructed_paths.h"
 #include "core/model/degrees.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
@@ -47,15 +46,6 @@ Json crease_json(const CreaseLine& crease, std::size_t number) {
 
 std::vector<CreaseLine> creases_of(const SceneSheet& sheet, const Scene& scene) {
   return crease_lines(sheet, expected_creases(sheet, scene.first_frame));
-}
-
-std::vector<UnreachablePairOfSheet> impossible_pairs(const Scene& scene) {
-  std::vector<UnreachablePairOfSheet> all;
-  for (const SceneSheet& sheet : scene.sheets)
-    for (UnreachablePair& pair :
-         all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
-      all.push_back({sheet.name, std::move(pair)});
-  return all;
 }
 
 /// [m/s] speed of the wind in each frame
@@ -107,10 +97,11 @@ Json sheet_json(const SceneSheet& sheet, const Scene& scene) {
   return j;
 }
 
-Json scene_json(const Scene& scene) {
+/// plan  of a bake with nothing else on its command line
+Json scene_json(const Scene& scene, const BakePlan& plan) {
   Json sheets = Json::array(), impossible = Json::array();
   for (const SceneSheet& sheet : scene.sheets) sheets.push_back(sheet_json(sheet, scene));
-  for (const UnreachablePairOfSheet& i : impossible_pairs(scene))
+  for (const UnreachablePairOfSheet& i : plan.impossible)
     impossible.push_back({{"sheet", i.sheet},
                           {"handles", {i.pair.a, i.pair.b}},
                           {"frame", i.pair.frame},
@@ -130,11 +121,11 @@ Json scene_json(const Scene& scene) {
   j["winds"] = Json::array();
   for (const Wind& wind : scene.winds) j["winds"].push_back(wind_json(wind));
   j["impossible_handles"] = std::move(impossible);
-  j["warnings"] = scene.warnings;
+  j["warnings"] = plan.warnings;
   return j;
 }
 
-std::string scene_text(const Scene& scene) {
+std::string scene_text(const Scene& scene, const BakePlan& plan) {
   std::string text = fmt::format("{}: frames {}-{} at {} fps\n", scene.source, scene.first_frame,
                                  scene.last_frame, scene.fps);
   for (const auto& [key, origin] : scene.origin)
@@ -163,9 +154,9 @@ std::string scene_text(const Scene& scene) {
   for (const InspectedCollider& collider : inspected_colliders(scene))
     text += collider_text(collider);
   for (const Wind& wind : scene.winds) text += wind_text(wind);
-  for (const UnreachablePairOfSheet& i : impossible_pairs(scene))
+  for (const UnreachablePairOfSheet& i : plan.impossible)
     text += "impossible: " + describe(i) + "\n";
-  for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
+  for (const std::string& warning : plan.warnings) text += "warning: " + warning + "\n";
   return text;
 }
 
@@ -175,12 +166,12 @@ std::string inspect_job(const BakeSettings& settings, bool json) {
   const BakePlan plan = plan_bake(settings);
   const Scene scene = read_scene(settings.scene, settings.reading);
   if (!json) {
-    std::string text = scene_text(scene) + "values:\n";
+    std::string text = scene_text(scene, plan) + "values:\n";
     for (const UsedValue& value : plan.used)
       text += fmt::format("  {} = {}  # {}\n", value.key, value.value, value.origin);
     return text;
   }
-  Json j = scene_json(scene);
+  Json j = scene_json(scene, plan);
   for (const UsedValue& value : plan.used)
     j["values"].push_back({{"key", value.key}, {"value", value.value}, {"origin", value.origin}});
   return json_lines(j) + "\n";
@@ -191,9 +182,9 @@ std::string inspect_scene(const std::filesystem::path& path, const SceneOptions&
   const Scene scene = read_scene(path, options);
   BakeSettings settings;
   settings.scene = path;
-  for (const SceneSheet& sheet : scene.sheets)  // a paper that cannot be baked is an error
-    resolve_paper(settings, sheet);
-  return json ? json_lines(scene_json(scene)) + "\n" : scene_text(scene);
+  settings.reading = options;
+  const BakePlan plan = plan_bake(settings, scene);
+  return json ? json_lines(scene_json(scene, plan)) + "\n" : scene_text(scene, plan);
 }
 
 std::string tracks_csv(const std::filesystem::path& path, const SceneOptions& options) {

@@ -8,9 +8,9 @@
 
 namespace paperbake {
 
-/// What is in a scene file, where each value came from, and what is wrong with it; as text for
-/// people or as JSON. throws Error(ErrorCode::scene) as read_scene does, and for a paper that the
-/// scene names and that there is not
+/// What is in a scene file, where each value came from, and what is wrong with it as a bake with
+/// nothing else on its command line would say; as text for people or as JSON. throws as plan_bake
+/// does
 std::string inspect_scene(const std::filesystem::path&, const SceneOptions&, bool json);
 
 /// The same of the scene of a job, with what the job says, and behind it every value that a bake

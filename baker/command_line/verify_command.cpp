@@ -24,7 +24,7 @@ CLI::App* add_verify(CLI::App& app, VerifyArguments& parsed) {
   verify.add_flag("--json", parsed.json, "Print JSON");
   verify.add_flag("--estimate", parsed.estimate,
                   "Estimate the error of every 12th frame: how far it moves when a finer mesh "
-                  "continues from it; whether another shape would store less is not looked at");
+                  "continues from it. For sheets at rest: none of those that move with inertia");
   return &verify;
 }
 

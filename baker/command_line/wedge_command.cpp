@@ -36,18 +36,21 @@ void add_wedge(CLI::App& app, WedgeArguments& parsed) {
                   "free, unless --threads says otherwise")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
-  CLI::Option* index = wedge.add_option(
+  CLI::Option* const index = wedge.add_option(
       "--index", parsed.index,
       "Bake this variation only, from 1; the last one to be done writes the table");
+  CLI::Option* const submit =
+      wedge
+          .add_option(
+              "--submit", parsed.submit,
+              "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
+          ->excludes(index)
+          ->check(CLI::IsMember({"slurm"}));
   wedge
-      .add_option(
-          "--submit", parsed.submit,
-          "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
-      ->excludes(index)
-      ->check(CLI::IsMember({"slurm"}));
-  wedge.add_option("--slurm", parsed.slurm,
-                   "Further options of sbatch for --submit slurm, in quotes: \"--mem=2G "
-                   "--time=1:00:00\"");
+      .add_option("--slurm", parsed.slurm,
+                  "Further options of sbatch for --submit slurm, in quotes: \"--mem=2G "
+                  "--time=1:00:00\"")
+      ->needs(submit);
 }
 
 /// arguments  of the program, as they were given

@@ -107,6 +107,12 @@ void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
                               scene.first_frame),
                   fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
   }
+  if (plan.frames.first > last.frame)
+    plan.warnings.push_back(
+        fmt::format("--frames begins at {}, after the end of the shot: its last frame is {}, and "
+                    "those after it "
+                    "show how the paper comes to rest.",
+                    plan.frames.first, last.frame));
   plan.ends_with_shot = plan.frames.last >= last.frame;
   plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
   plan.map_frames = settings.map_frames.value_or(
@@ -226,6 +232,15 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   hash_inputs(plan);
   find_impossible_handles(settings, plan);
   return plan;
+}
+
+bool is_out_of_reach(const BakePlan& plan, const std::string& sheet, const std::string& handle,
+                     int frame) {
+  return std::any_of(plan.impossible.begin(), plan.impossible.end(),
+                     [&](const UnreachablePairOfSheet& i) {
+                       return i.sheet == sheet && i.pair.first <= frame && frame <= i.pair.last &&
+                              (i.pair.a == handle || i.pair.b == handle);
+                     });
 }
 
 unsigned seed_of_sheet(const BakePlan& plan, std::size_t sheet) {

@@ -83,6 +83,10 @@ BakePlan plan_bake(const BakeSettings&);
 /// The same for a scene that has been read, or made in code.
 BakePlan plan_bake(const BakeSettings&, Scene);
 
+/// Whether a handle of a sheet is keyed beyond the reach of the paper in a frame.
+bool is_out_of_reach(const BakePlan&, const std::string& sheet, const std::string& handle,
+                     int frame);
+
 /// The seed of a sheet: sheets of one seed differ.
 unsigned seed_of_sheet(const BakePlan&, std::size_t sheet);
 

@@ -203,12 +203,7 @@ const Jam* worst_jam(const FrameRecord& f) {
 /// Whether the handle that the paper could follow least, if one is known, is keyed out of reach.
 bool is_out_of_reach(const FrameRecord& f, const BakePlan& plan) {
   const Jam* jam = worst_jam(f);
-  return jam && std::any_of(plan.impossible.begin(), plan.impossible.end(),
-                            [&](const UnreachablePairOfSheet& i) {
-                              return i.sheet == f.sheet && i.pair.first <= f.frame &&
-                                     f.frame <= i.pair.last &&
-                                     (i.pair.a == jam->handle || i.pair.b == jam->handle);
-                            });
+  return jam && is_out_of_reach(plan, f.sheet, jam->handle, f.frame);
 }
 
 /// How many handles hold the sheet of a frame.

@@ -43,9 +43,9 @@ bool outputs_unmodified(const fs::path& folder) {
   return !files.empty() && std::all_of(files.begin(), files.end(), whole);
 }
 
-void replace_outputs(const fs::path& folder, const std::string& shot,
-                     const std::vector<fs::path>& written, StaleFiles stale,
-                     const std::map<fs::path, std::string>& keys) {
+std::vector<std::string> replace_outputs(const fs::path& folder, const std::string& shot,
+                                         const std::vector<fs::path>& written, StaleFiles stale,
+                                         const std::map<fs::path, std::string>& keys) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
   std::map<std::string, std::string> files;
   for (const fs::path& path : written) {
@@ -66,20 +66,24 @@ void replace_outputs(const fs::path& folder, const std::string& shot,
     const bool is_outside = place.is_absolute() || (!place.empty() && *place.begin() == "..");
     return is_outside && own_folders.count(place.parent_path()) == 0;
   };
+  std::vector<std::string> removed;
   for (const auto& [path, key] : before.files) {
     std::error_code none;
     if (is_of_another_shot(path)) continue;
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||
         file_hash(base / path) != key)
       continue;
-    if (stale == StaleFiles::remove && !is_foreign(path))
-      fs::remove(base / path, none);
-    else
+    if (stale != StaleFiles::remove || is_foreign(path)) {
       files[path] = key;
+      continue;
+    }
+    if (fs::remove(base / path, none)) removed.push_back(path);
+    fs::remove((base / path).parent_path(), none);  // unless something is left in it
   }
   std::string text = "shot " + shot + "\n";
   for (const auto& [path, key] : files) text += key + " " + path + "\n";
   write_atomically(list, text);
+  return removed;
 }
 
 }  // namespace paperbake

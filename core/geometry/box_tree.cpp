@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 namespace paperbake {
 
@@ -39,6 +40,12 @@ int BoxTree::build(std::vector<int>& items, int begin, int end,
   return at;
 }
 
+void BoxTree::refit(const std::vector<Eigen::AlignedBox3d>& boxes) {
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)  // children before parents
+    node->box = node->item >= 0 ? boxes[node->item]
+                                : nodes_[node->left].box.merged(nodes_[node->right].box);
+}
+
 void BoxTree::visit(const Eigen::AlignedBox3d& box, const std::function<void(int)>& visit) const {
   if (nodes_.empty()) return;
   std::array<int, 64> open;
@@ -53,6 +60,33 @@ void BoxTree::visit(const Eigen::AlignedBox3d& box, const std::function<void(int
       open[top++] = node.right;
       open[top++] = node.left;
     }
+  }
+}
+
+void BoxTree::visit_nearest(const Eigen::Vector3d& p, double within,
+                            const std::function<double(int)>& distance) const {
+  constexpr double rounding = 1e-12;  // [m] of distances between points metres from the origin
+  if (nodes_.empty()) return;
+  struct Open {
+    int node;
+    double distance;
+  };
+  const auto open_node = [&](int k) { return Open{k, nodes_[k].box.exteriorDistance(p)}; };
+  std::array<Open, 64> open;
+  int top = 0;
+  open[top++] = open_node(0);
+  while (top > 0) {
+    const Open next = open[--top];
+    if (next.distance > within + rounding) continue;
+    const Node& node = nodes_[next.node];
+    if (node.item >= 0) {
+      within = std::min(within, distance(node.item));
+      continue;
+    }
+    Open nearer = open_node(node.left), farther = open_node(node.right);
+    if (farther.distance < nearer.distance) std::swap(nearer, farther);
+    open[top++] = farther;
+    open[top++] = nearer;
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -19,6 +20,7 @@ constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle co
 constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
 constexpr double of_thickness = 0.3;  // [1] depth() over the shortest side of a closed mesh's box
 constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
+constexpr double coincident = 1e-9;        // [m] for closer points the normal of the mesh is used
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
@@ -75,23 +77,75 @@ bool is_closed(const MeshEdges& edges) {
 
 }  // namespace
 
+/// The edges of the mesh, and the trees over the first shape. A tree over another shape with as
+/// many items is divided in the same way: rebuilding costs more than the rest of a collider.
+struct Collider::FirstShape {
+  explicit FirstShape(const Triangles& triangles) : edges(triangles) {}
+
+  MeshEdges edges;
+  std::vector<Edge> sharp_edges;
+  std::vector<Corner> corners;
+  BoxTree triangle_tree, edge_tree, corner_tree;
+};
+
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   if (is_closed(MeshEdges(mesh_.triangles))) face_outwards(mesh_);
   prepare();
 }
 
-Collider::Collider(const Collider& other, const Points3& x) : mesh_(other.mesh_) {
+Collider::Collider(const Collider& other, const Points3& x)
+    : mesh_(other.mesh_), first_(other.first_) {
   mesh_.x = x;
   prepare();
 }
 
 void Collider::prepare() {
-  const MeshEdges edges(mesh_.triangles);
-  closed_ = is_closed(edges);
+  std::shared_ptr<FirstShape> made;
+  if (!first_) first_ = made = std::make_shared<FirstShape>(mesh_.triangles);
+  closed_ = is_closed(first_->edges);
   const Vector3d sides = sides_of_box(mesh_.x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
-  find_corners(edges, find_sharp_edges(edges));
+  find_corners(first_->edges, find_sharp_edges(first_->edges));
+  build_trees();
+  if (!made) return;
+  made->sharp_edges = edges_;
+  made->corners = corners_;
+  made->triangle_tree = triangle_tree_;
+  made->edge_tree = edge_tree_;
+  made->corner_tree = corner_tree_;
+}
+
+void Collider::build_trees() {
+  const auto box_of = [&](std::initializer_list<int> vertices) {
+    Eigen::AlignedBox3d box;
+    for (const int v : vertices) box.extend(row(mesh_.x, v));
+    return box;
+  };
+  const auto make = [](BoxTree& tree, const BoxTree& of_first, bool alike,
+                       const std::vector<Eigen::AlignedBox3d>& boxes) {
+    if (!alike) return tree.build(boxes);
+    tree = of_first;
+    tree.refit(boxes);
+  };
+  const auto same_edge = [](const Edge& e, const Edge& f) { return e.a == f.a && e.b == f.b; };
+  const auto same_corner = [](const Corner& c, const Corner& d) { return c.vertex == d.vertex; };
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (int t = 0; t < mesh_.triangles.rows(); ++t)
+    boxes.push_back(box_of({mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)}));
+  make(triangle_tree_, first_->triangle_tree, !first_->triangle_tree.empty(), boxes);
+  boxes.clear();
+  for (const Edge& edge : edges_) boxes.push_back(box_of({edge.a, edge.b}));
+  make(edge_tree_, first_->edge_tree,
+       std::equal(edges_.begin(), edges_.end(), first_->sharp_edges.begin(),
+                  first_->sharp_edges.end(), same_edge),
+       boxes);
+  boxes.clear();
+  for (const Corner& corner : corners_) boxes.push_back(box_of({corner.vertex}));
+  make(corner_tree_, first_->corner_tree,
+       std::equal(corners_.begin(), corners_.end(), first_->corners.begin(), first_->corners.end(),
+                  same_corner),
+       boxes);
 }
 
 void Collider::find_normals() {
@@ -101,7 +155,6 @@ void Collider::find_normals() {
   face_normal_.resize(n, 3);
   vertex_normal_ = Points3::Zero(x.rows(), 3);
   border_vertex_.assign(x.rows(), 0);
-  std::vector<Eigen::AlignedBox3d> boxes(n);
   for (int t = 0; t < n; ++t) {
     const std::array<Vector3d, 3> c{row(x, triangles(t, 0)), row(x, triangles(t, 1)),
                                     row(x, triangles(t, 2))};
@@ -111,13 +164,11 @@ void Collider::find_normals() {
       const Vector3d u = (c[(i + 1) % 3] - c[i]).normalized(),
                      w = (c[(i + 2) % 3] - c[i]).normalized();
       vertex_normal_.row(triangles(t, i)) += std::acos(std::clamp(u.dot(w), -1.0, 1.0)) * normal;
-      boxes[t].extend(c[i]);
     }
   }
   for (int v = 0; v < x.rows(); ++v)
     if (const double length = vertex_normal_.row(v).norm(); length > 0)
       vertex_normal_.row(v) /= length;
-  triangle_tree_.build(boxes);
 }
 
 std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
@@ -126,7 +177,6 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
   edge_normal_.resize(triangles.rows());
   border_edge_.assign(triangles.rows(), {0, 0, 0});
   std::vector<char> sharp(x.rows(), 0);
-  std::vector<Eigen::AlignedBox3d> edge_boxes;
   for (const MeshEdge& sides : edges) {
     const int a = sides.low, b = sides.high;
     Vector3d sum = Vector3d::Zero();
@@ -141,7 +191,7 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
       const Vector3d to = row(x, triangles(s.triangle, s.corner)) - row(x, a);
       return (to - along * along.dot(to)).normalized();
     };
-    Edge edge{a, b, {inward(sides[0]), -row(face_normal_, sides[0].triangle)}, border};
+    Edge edge{a, b, {inward(sides[0]), -row(face_normal_, sides[0].triangle)}, {}, border};
     if (border) {
       border_vertex_[a] = border_vertex_[b] = 1;
     } else {
@@ -152,11 +202,12 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
       if (turns < flat || !convex) continue;
     }
     sharp[a] = sharp[b] = 1;
+    for (int i = 0; i < 2; ++i) {
+      const Vector3d normal = along.cross(edge.inward[i]);
+      edge.outward[i] = normal.dot(edge.inward[1 - i]) > 0 ? -normal : normal;
+    }
     edges_.push_back(edge);
-    Eigen::AlignedBox3d box(row(x, a));
-    edge_boxes.push_back(box.extend(row(x, b)));
   }
-  edge_tree_.build(edge_boxes);
   return sharp;
 }
 
@@ -168,14 +219,11 @@ void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sha
     outgoing[e.low].push_back(along);
     outgoing[e.high].push_back(-along);
   }
-  std::vector<Eigen::AlignedBox3d> corner_boxes;
   for (int v = 0; v < x.rows(); ++v) {
     if (!sharp[v]) continue;
     if (border_vertex_[v]) outgoing[v].push_back(-row(vertex_normal_, v));
     corners_.push_back({v, border_vertex_[v] != 0, outgoing[v]});
-    corner_boxes.emplace_back(row(x, v));
   }
-  corner_tree_.build(corner_boxes);
 }
 
 void Collider::near_triangles(const Vector3d& low, const Vector3d& high, double within,
@@ -209,9 +257,19 @@ Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
   return on;
 }
 
+SurfacePoint Collider::surface_point(int t, const OnTriangle& on, int side) const {
+  const auto& [at, apart, pseudo_normal, border] = on;
+  const double d = apart.norm();
+  // beyond the border of an open mesh there is neither front nor back
+  const double sign = border && std::abs(apart.dot(row(face_normal_, t))) < 0.999 * d
+                          ? 1
+                          : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
+  return {at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart),
+          sign * d, t, border};
+}
+
 std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector<int>& triangles,
                                             int side) const {
-  constexpr double coincident = 1e-9;  // [m] for closer points the normal of the mesh is used
   std::vector<SurfacePoint> found;
   std::vector<OnTriangle> all;
   all.reserve(triangles.size());
@@ -221,14 +279,7 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
     if (all.back().apart.squaredNorm() < all[first].apart.squaredNorm()) first = all.size() - 1;
   }
   if (all.empty()) return found;
-  const auto& [at, apart, pseudo_normal, border] = all[first];
-  const double d = apart.norm();
-  // beyond the border of an open mesh there is neither front nor back
-  const double sign = border && std::abs(apart.dot(row(face_normal_, triangles[first]))) < 0.999 * d
-                          ? 1
-                          : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
-  found.push_back({at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart),
-                   sign * d, triangles[first], border});
+  found.push_back(surface_point(triangles[first], all[first], side));
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double distance = all[k].apart.norm();
     if (distance < coincident ||
@@ -244,17 +295,22 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
 }
 
 SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const {
-  // widen the search until something is found, and once more until nothing closer can be missed
-  SurfacePoint best{p, Vector3d::UnitZ(), std::numeric_limits<double>::infinity()};
-  for (double reach = std::min(within, 2e-3);; reach = std::min(within, 4 * reach)) {
-    std::vector<int> triangles;
-    near_triangles(p, p, reach, [&](int t) { triangles.push_back(t); });
-    std::sort(triangles.begin(), triangles.end());
-    if (const auto found = nearest(p, triangles, side);
-        !found.empty() && std::abs(found.front().distance) <= reach)
-      return found.front();
-    if (!(reach < within)) return best;
-  }
+  OnTriangle best{};
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();  // [m2]
+  triangle_tree_.visit_nearest(p, within, [&](int t) {
+    const OnTriangle on = on_triangle(p, t);
+    const double squared = on.apart.squaredNorm();
+    if (squared < least || (squared == least && t < nearest)) {
+      best = on;
+      nearest = t;
+      least = squared;
+    }
+    return std::sqrt(squared);
+  });
+  if (nearest < 0 || !(std::sqrt(least) <= within))
+    return {p, Vector3d::UnitZ(), std::numeric_limits<double>::infinity()};
+  return surface_point(nearest, best, side);
 }
 
 int Collider::side_of(const Vector3d& p, double within) const {

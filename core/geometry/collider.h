@@ -77,6 +77,7 @@ class Collider {
   bool closed() const { return closed_; }
 
   Vector3d face_normal(int triangle) const { return face_normal_.row(triangle); }
+  Vector3d vertex_normal(int vertex) const { return vertex_normal_.row(vertex); }  // mean by angle
 
   /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]
   double depth() const { return depth_; }
@@ -89,6 +90,8 @@ class Collider {
     // unit vectors along its faces, perpendicular to the edge; at a border the second points
     // straight behind the first face
     std::array<Vector3d, 2> inward;
+    // unit normals of the planes of its faces, each away from the other face
+    std::array<Vector3d, 2> outward;
     bool border;
   };
   struct Corner {
@@ -133,15 +136,19 @@ class Collider {
     bool border;
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
+  SurfacePoint surface_point(int t, const OnTriangle&, int side) const;
   /// From which side the way from p to q passes through the surface first: 1 from the front, -1
   /// from behind, 0 if it does not.
   int passes_through(const Vector3d& p, const Vector3d& q) const;
+
+  struct FirstShape;  // what the shapes that the collider takes have in common
 
   void prepare();
   // parts of the construction, in this order
   void find_normals();
   std::vector<char> find_sharp_edges(const MeshEdges&);  // returns |V| whether one ends there
   void find_corners(const MeshEdges&, const std::vector<char>& sharp);
+  void build_trees();
 
   ColliderMesh mesh_;
   bool closed_ = false;
@@ -154,6 +161,7 @@ class Collider {
   std::vector<Edge> edges_;
   std::vector<Corner> corners_;
   BoxTree triangle_tree_, edge_tree_, corner_tree_;
+  std::shared_ptr<const FirstShape> first_;
 };
 
 using Colliders = std::vector<Collider>;

@@ -105,16 +105,16 @@ class ColliderDepth::Part {
     }
     find_borders();
     if (closed_) face_outwards();
+    tree_.insert(faces_.cbegin(), faces_.cend());
+    tree_.build();
+    tree_.accelerate_distance_queries();
     // of an open part only a plane bounds the depth, as a ground does
-    planes_bound_ = is_convex(x) && (closed_ || is_flat(x));
+    planes_bound_ = (closed_ || is_flat(x)) && is_convex();
     if (closed_ && paper_side == ColliderMesh::PaperSide::inside) {
       hollow_ = true;
       planes_bound_ = false;
       for (Vector3d& n : normals_) n = -n;
     }
-    tree_.insert(faces_.cbegin(), faces_.cend());
-    tree_.build();
-    tree_.accelerate_distance_queries();
   }
 
   Penetration deepest(const Points3& x, const Triangles&) const;
@@ -163,13 +163,14 @@ class ColliderDepth::Part {
       for (Vector3d& n : normals_) n = -n;
   }
 
-  bool is_convex(const Points3& x) const {
+  /// Whether no vertex is in front of the plane of a face. The faces hang together: if one is, some
+  /// face passes through the plane.
+  bool is_convex() const {
     const double flat = 1e-7 * box_.diagonal().norm();
-    std::vector<Vector3d> vertices;
-    for (const auto& [v, faces] : around_) vertices.push_back(row(x, v));
-    for (std::size_t k = 0; k < faces_.size(); ++k)
-      for (const Vector3d& v : vertices)
-        if (normals_[k].dot(v - origins_[k]) > flat) return false;
+    for (std::size_t k = 0; k < faces_.size(); ++k) {
+      const Vector3d &n = normals_[k], above = origins_[k] + flat * n;
+      if (tree_.do_intersect(Kernel::Plane_3(n.x(), n.y(), n.z(), -n.dot(above)))) return false;
+    }
     return true;
   }
 
@@ -480,20 +481,6 @@ Penetration ColliderDepth::deepest(const Points3& x, const Triangles& triangles)
   for (const auto& part : parts_)
     if (Penetration found = part->deepest(x, triangles); found.depth > deepest.depth)
       deepest = found;
-  return deepest;
-}
-
-ColliderPenetration deepest_penetration(
-    const std::vector<std::shared_ptr<const ColliderDepth>>& colliders, const Points3& x,
-    const Triangles& triangles) {
-  ColliderPenetration deepest;
-  for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const Penetration found = colliders[c]->deepest(x, triangles);
-    if (found.depth > deepest.depth) {
-      static_cast<Penetration&>(deepest) = found;
-      deepest.collider = c;
-    }
-  }
   return deepest;
 }
 

@@ -57,7 +57,5 @@ class ColliderDepth {
 struct ColliderPenetration : Penetration {
   std::size_t collider = 0;
 };
-ColliderPenetration deepest_penetration(const std::vector<std::shared_ptr<const ColliderDepth>>&,
-                                        const Points3& x, const Triangles&);
 
 }  // namespace paperbake

@@ -1,6 +1,9 @@
 #include "core/geometry/judged_colliders.h"
 
+#include "core/geometry/rigid_motion.h"
+
 #include <algorithm>
+#include <optional>
 
 namespace paperbake {
 namespace {
@@ -11,27 +14,49 @@ std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   return meshes;
 }
 
+/// The motion that takes the points from `before` to `after`, each to 0.1 um, a twentieth of what
+/// depths are exact to; none if there is none.
+std::optional<RigidMotion> rigid_motion(const Points3& before, const Points3& after) {
+  constexpr double exact_to = depth_exact_to / 20;
+  const RigidMotion motion = nearest_rigid_motion(before, after);
+  const Points3 off = moved(motion, before) - after;
+  if (!(off.rowwise().norm().maxCoeff() <= exact_to)) return {};
+  return motion;
+}
+
 }  // namespace
 
 JudgedColliders::JudgedColliders(const std::vector<ColliderMesh>& all) : meshes(all) {
-  for (const ColliderMesh& mesh : meshes)
-    depths.push_back(mesh.frames.empty() ? std::make_shared<const ColliderDepth>(mesh) : nullptr);
+  for (const ColliderMesh& mesh : meshes) depths_.emplace_back(mesh);
 }
 
 JudgedColliders::JudgedColliders(const Colliders& colliders)
     : JudgedColliders(meshes_of(colliders)) {}
 
+Penetration JudgedColliders::deepest_in(std::size_t collider, int row, const Points3& x,
+                                        const Triangles& triangles) const {
+  const ColliderMesh& mesh = meshes[collider];
+  if (mesh.frames.empty()) return depths_[collider].deepest(x, triangles);
+  const int last = static_cast<int>(mesh.frames.size()) - 1;
+  const Points3& now = mesh.frames[std::clamp(row, 0, last)];
+  if (const auto back = rigid_motion(now, mesh.x))
+    return depths_[collider].deepest(moved(*back, x), triangles);
+  ColliderMesh deformed = mesh;
+  deformed.x = now;
+  return ColliderDepth(deformed).deepest(x, triangles);
+}
+
 ColliderPenetration JudgedColliders::deepest(int row, const Points3& x,
                                              const Triangles& triangles) const {
-  std::vector<std::shared_ptr<const ColliderDepth>> now = depths;
-  for (std::size_t c = 0; c < now.size(); ++c) {
-    if (now[c]) continue;
-    const auto& frames = meshes[c].frames;
-    ColliderMesh mesh = meshes[c];
-    mesh.x = frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
-    now[c] = std::make_shared<const ColliderDepth>(mesh);
+  ColliderPenetration deepest;
+  for (std::size_t c = 0; c < meshes.size(); ++c) {
+    const Penetration found = deepest_in(c, row, x, triangles);
+    if (found.depth > deepest.depth) {
+      static_cast<Penetration&>(deepest) = found;
+      deepest.collider = c;
+    }
   }
-  return deepest_penetration(now, x, triangles);
+  return deepest;
 }
 
 }  // namespace paperbake

@@ -2,13 +2,14 @@
 
 #include "core/geometry/collider_depth.h"
 
-#include <memory>
+#include <cstddef>
 #include <vector>
 
 namespace paperbake {
 
-/// The colliders of a scene as they are judged. Those that stand still are prepared for exact
-/// depths once.
+/// The colliders of a scene as they are judged. Each is prepared for exact depths once; one that
+/// has turned and shifted as a whole is judged where it was first, with the sheet moved there. Only
+/// where it has another shape it is prepared again.
 struct JudgedColliders {
   explicit JudgedColliders(const std::vector<ColliderMesh>&);
   explicit JudgedColliders(const Colliders&);
@@ -17,7 +18,11 @@ struct JudgedColliders {
   ColliderPenetration deepest(int row, const Points3& x, const Triangles&) const;
 
   std::vector<ColliderMesh> meshes;
-  std::vector<std::shared_ptr<const ColliderDepth>> depths;  // null for those that move
+
+ private:
+  Penetration deepest_in(std::size_t collider, int row, const Points3& x, const Triangles&) const;
+
+  std::vector<ColliderDepth> depths_;  // in the first frame
 };
 
 }  // namespace paperbake

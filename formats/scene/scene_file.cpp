@@ -43,6 +43,8 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
     scene.warnings.push_back(std::move(warning));
   for (std::string& warning : ignored_instances(nodes.file.nodes))
     scene.warnings.push_back(std::move(warning));
+  for (std::string& warning : misspelt_names(nodes.file.nodes))
+    scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, overrides, scene.warnings);
   warn_of_keyed_sheets(nodes, scene.warnings);
   add_creases(nodes, scene.sheets, scene.warnings);

@@ -223,7 +223,8 @@ void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle&
 
 void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, SceneSheet& sheet,
                         double distance, std::vector<std::string>& warnings) {
-  if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm()) {
+  constexpr double beside = 1e-3;  // [m] the gate of handles is as strict
+  if (handle.mode == HandleMode::absolute && distance > beside) {
     sheet.handles_off.push_back(
         fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it pulls the "
                     "nearest sheet point.",

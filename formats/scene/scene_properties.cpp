@@ -56,12 +56,23 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
+constexpr std::array roles = {"paper", "handle", "collider", "crease", "wind"};
+
 /// Whether a name begins as those of nodes that are read do.
 bool has_role(std::string_view name) {
   const std::string lower = lower_case(name);
-  for (const char* role : {"paper", "handle", "collider", "crease", "wind"})
-    if (lower.rfind(role, 0) == 0) return true;
-  return false;
+  return std::any_of(roles.begin(), roles.end(),
+                     [&](const char* role) { return lower.rfind(role, 0) == 0; });
+}
+
+/// The role that a word was probably meant to be: it begins with the same letter, and one more is
+/// wrong, missing, superfluous or changed places with its neighbour. Empty: none. "wind" is too
+/// short to be told from "wing" and "find".
+std::string misspelt_role(const std::string& word) {
+  for (const std::string role : roles)
+    if (role != "wind" && word.substr(0, 1) == role.substr(0, 1) && edit_distance(word, role) == 1)
+      return role;
+  return "";
 }
 
 [[noreturn]] void reject(const std::string& source, const ImportedNode& node,
@@ -131,6 +142,23 @@ std::vector<std::string> ignored_instances(const std::vector<ImportedNode>& node
         !has_role(matched_name(node.name)))
       warnings.push_back(fmt::format("\"{}\" is ignored: it is the instance of a collection. {}",
                                      node.name, realise_instances));
+  return warnings;
+}
+
+std::vector<std::string> misspelt_names(const std::vector<ImportedNode>& nodes) {
+  std::vector<std::string> warnings;
+  for (const ImportedNode& node : nodes) {
+    const std::string name = matched_name(node.name);
+    if (node.pivot || has_role(name) || node.properties.count("paper_collider") ||
+        node.properties.count("paper_ignore"))
+      continue;
+    const auto end =
+        std::find_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalpha(c); });
+    const std::string role = misspelt_role({name.begin(), end});
+    if (!role.empty())
+      warnings.push_back(fmt::format(
+          "\"{}\" has no part in the scene: should its name begin with \"{}\"?", node.name, role));
+  }
   return warnings;
 }
 

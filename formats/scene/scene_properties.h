@@ -39,6 +39,10 @@ inline const char* const realise_instances =
 /// the copy of one in the instance of a collection.
 std::vector<std::string> ignored_instances(const std::vector<ImportedNode>&);
 
+/// A warning for each node that has no part in the scene, but a name that begins nearly as those do
+/// that have one.
+std::vector<std::string> misspelt_names(const std::vector<ImportedNode>&);
+
 /// The place of an error: shot.fbx, handle "corner".
 std::string place_of(const std::string& source, std::string_view kind, std::string_view name);
 

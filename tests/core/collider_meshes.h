@@ -2,6 +2,7 @@
 
 #include "core/geometry/collider.h"
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,31 @@ inline ColliderMesh bin(double half) {
   }
   mesh.triangles.row(8) << 0, 2, 1;
   mesh.triangles.row(9) << 0, 3, 2;
+  return mesh;
+}
+
+/// A ball round the origin of `around` x `along` corners and its two poles.
+inline ColliderMesh ball(double radius, int around, int along) {
+  const int last = around * along + 1;
+  ColliderMesh mesh{"ball", Points3(last + 1, 3), Triangles(2 * around * along, 3), {}};
+  mesh.x.row(0) << 0, 0, -radius;
+  mesh.x.row(last) << 0, 0, radius;
+  int t = 0;
+  for (int k = 0; k < along; ++k)
+    for (int i = 0; i < around; ++i) {
+      const double theta = M_PI * (k + 1) / (along + 1), phi = 2 * M_PI * i / around;
+      const int here = 1 + k * around + i, beside = 1 + k * around + (i + 1) % around;
+      mesh.x.row(here) =
+          radius * Eigen::RowVector3d(std::sin(theta) * std::cos(phi),
+                                      std::sin(theta) * std::sin(phi), -std::cos(theta));
+      if (k == 0) mesh.triangles.row(t++) << 0, beside, here;
+      if (k + 1 == along) {
+        mesh.triangles.row(t++) << last, here, beside;
+      } else {
+        mesh.triangles.row(t++) << here, beside, beside + around;
+        mesh.triangles.row(t++) << here, beside + around, here + around;
+      }
+    }
   return mesh;
 }
 

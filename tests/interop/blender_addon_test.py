@@ -576,18 +576,20 @@ def test_options_of_the_panel(judgement):
 
 def test_nothing_holds_it(judgement):
     """A page that falls, and one that is blown, need no handle."""
-    for name, gravity in (("falling", 9.81), ("blown", 0)):
+    for name, gravity, of_sheet in (("falling", 9.81, None), ("blown", 0, None), ("heavy", 0, 9.81)):
         scene, sheet = new_scene(name)
         select(sheet)
         with heard():
             bpy.ops.paperbake.mark_sheet()
             bpy.ops.object.select_all(action="DESELECT")
-            if not gravity:
+            if of_sheet:
+                scene.objects["paper.Letter"]["paper_gravity"] = of_sheet
+            elif not gravity:
                 bpy.ops.paperbake.mark_wind()
         scene.paperbake.gravity = gravity
         result, said = report(bpy.ops.paperbake.bake)
         judgement.check(result == {"FINISHED"} and "Baked 10 frames" in said, f"a {name} page: it says {said!r}")
-        judgement.check("paper_gravity" not in scene.objects["paper.Letter"], "the export left the gravity behind")
+        judgement.check(scene.objects["paper.Letter"].get("paper_gravity") == of_sheet, "the export left another gravity behind")
         if result == {"FINISHED"}:
             ends = []
             for frame in (FIRST, LAST):
@@ -595,7 +597,7 @@ def test_nothing_holds_it(judgement):
                 paper = scene.objects["baked.paper.Letter"].evaluated_get(bpy.context.evaluated_depsgraph_get())
                 ends.append(floats(paper.data.vertices, "co", 3).mean(axis=0))
             judgement.check(numpy.linalg.norm(ends[1] - ends[0]) > 0.01, f"a {name} page goes from {ends[0]} to {ends[1]}")
-    judgement.count("free pages", 2)
+    judgement.count("free pages", 3)
 
 
 def test_what_is_left_out_is_told(judgement):

@@ -36,17 +36,33 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
   const Collider& collider = this->collider(c);
   const Points3& x = states_[c].reference;
-  Vector3d low = row(x, feature.vertices[0]), high = low;
+  TriangleCorners p;
+  p.fill(row(x, feature.vertices[0]));
+  for (int i = 1; i < feature.corners; ++i) p[i] = row(x, feature.vertices[i]);
+  Vector3d low = p[0], high = p[0];
   for (int i = 1; i < feature.corners; ++i) {
-    low = low.cwiseMin(row(x, feature.vertices[i]));
-    high = high.cwiseMax(row(x, feature.vertices[i]));
+    low = low.cwiseMin(p[i]);
+    high = high.cwiseMax(p[i]);
   }
   const double within = std::max(collider_dhat, collider.depth()) + tube;
+  const Points3& z = collider.mesh().x;
   feature.near.clear();
-  const auto add = [&](int k) { feature.near.push_back(k); };
-  if (feature.corners == 1) collider.near_triangles(low, high, within, add);
-  if (feature.corners == 2) collider.near_edges(low, high, within, add);
-  if (feature.corners == 3) collider.near_corners(low, high, within, add);
+  feature.is_close = false;
+  const auto add = [&](int k, double distance) {
+    feature.is_close = true;
+    if (distance <= within) feature.near.push_back(k);
+  };
+  if (feature.corners == 1) collider.near_triangles(low, high, within, [&](int k) { add(k, 0); });
+  if (feature.corners == 2)
+    collider.near_edges(low, high, within, [&](int k) {
+      const Collider::Edge& edge = collider.edges()[k];
+      add(k, edge_to_edge({p[0], p[1], row(z, edge.a), row(z, edge.b)}).distance());
+    });
+  if (feature.corners == 3)
+    collider.near_corners(low, high, within, [&](int k) {
+      const Vector3d corner = row(z, collider.corners()[k].vertex);
+      add(k, vertex_to_triangle({corner, p[0], p[1], p[2]}).distance());
+    });
   std::sort(feature.near.begin(), feature.near.end());
 }
 
@@ -73,7 +89,7 @@ void ColliderContact::refresh(std::size_t c, const Points3& y) {
     bool moved = false;
     for (int i = 0; i < feature.corners; ++i) moved |= stale[feature.vertices[i]] != 0;
     if (moved) find_candidates(c, feature);
-    if (!feature.near.empty()) a.close.push_back(static_cast<int>(k));
+    if (feature.is_close) a.close.push_back(static_cast<int>(k));
   }
 }
 
@@ -147,6 +163,53 @@ ColliderContact::FeaturePair ColliderContact::corner_pair(const Collider& collid
   return m;
 }
 
+/// What an edge or a triangle of the sheet shares with every edge or corner of a collider: tells
+/// cheaply of most of them that they cannot touch.
+class ColliderContact::NearTest {
+ public:
+  NearTest(const Collider& collider, const SheetFeature& feature, const Points3& y)
+      : collider_(collider), corners_(feature.corners) {
+    for (int i = 0; i < corners_; ++i) y_[i] = row(y, feature.vertices[i]);
+    if (corners_ == 3) normal_ = (y_[1] - y_[0]).cross(y_[2] - y_[0]).normalized();
+  }
+
+  /// True if the feature, of which no corner touches the collider from behind, is farther than
+  /// collider_dhat in front of the k-th edge or corner, or farther than depth() from it. It may be
+  /// false then, too.
+  bool is_apart(int k) const { return corners_ == 2 ? is_edge_apart(k) : is_corner_apart(k); }
+
+ private:
+  static constexpr double rounding = 1e-9;  // [1], [m]
+
+  bool is_edge_apart(int k) const {
+    const Collider::Edge& edge = collider_.edges()[k];
+    const Points3& x = collider_.mesh().x;
+    const Vector3d a = row(x, edge.a), b = row(x, edge.b), middle = 0.5 * (a + b),
+                   along = y_[1] - y_[0];
+    const double share = std::clamp(along.dot(middle - y_[0]) / along.squaredNorm(), 0.0, 1.0);
+    const double beyond = (y_[0] + share * along - middle).norm() - 0.5 * (b - a).norm() - rounding;
+    if (beyond > std::max(collider_dhat, collider_.depth())) return true;
+    const auto is_above = [&](const Vector3d& out) {
+      return out.dot(y_[0] - a) > rounding && out.dot(y_[1] - a) > rounding;
+    };
+    return beyond > collider_dhat && (is_above(edge.outward[0]) || is_above(edge.outward[1]));
+  }
+
+  bool is_corner_apart(int k) const {
+    const int corner = collider_.corners()[k].vertex;
+    const double above = normal_.dot(row(collider_.mesh().x, corner) - y_[0]);
+    if (std::abs(above) > std::max(collider_dhat, collider_.depth()) + rounding) return true;
+    // the sheet leads out of all faces nowhere near their mean normal
+    const double lean = (above < 0 ? 1 : -1) * normal_.dot(collider_.vertex_normal(corner));
+    return std::abs(above) > collider_dhat + rounding && lean > 2 * in_cone;
+  }
+
+  const Collider& collider_;
+  int corners_;
+  TriangleCorners y_;
+  Vector3d normal_;  // of a triangle
+};
+
 /// Whether an edge or a triangle of the sheet that lies between the planes of the faces beside an
 /// edge or a corner is outside all the same, because one of those faces ends before it. It is where
 /// neither its closest point nor what lies beside that, by half of the distance towards the
@@ -166,22 +229,26 @@ bool ColliderContact::is_in_front(const Collider& collider, const SheetFeature& 
   return true;
 }
 
+/// How many corners of a feature of the sheet touch the collider from behind.
+int ColliderContact::corners_behind(const SheetFeature& feature, const std::vector<char>& side) {
+  int behind = 0;
+  for (int i = 0; i < feature.corners; ++i) behind += side[feature.vertices[i]] < 0;
+  return behind;
+}
+
+/// `inside` is what the faces beside the edge or the corner say: see is_in_front.
 ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
                                                            const SheetFeature& feature, int k,
                                                            const Points3& y,
                                                            const std::vector<char>& side) const {
   const auto& v = feature.vertices;
-  int behind = 0;
-  for (int i = 0; i < feature.corners; ++i) behind += side[v[i]] < 0;
-  FeaturePair m =
-      feature.corners == 2
-          ? edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind)
-          : corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
-  if (m.where == FeaturePair::inside && behind == 0 && is_in_front(collider, feature, m, y))
-    m.where = FeaturePair::nearer_to_another;
-  return m;
+  const int behind = corners_behind(feature, side);
+  return feature.corners == 2
+             ? edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind)
+             : corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
 }
 
+/// Visits every contact of a feature that is inside or nearer than collider_dhat, and some others.
 template <class Visit>
 void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& y,
                                  Visit visit) const {
@@ -194,11 +261,15 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
         visit(ContactPoint{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
+  const bool all_in_front = corners_behind(feature, side) == 0;
+  const NearTest test(collider, feature, y);
   for (const int k : feature.near) {
+    if (all_in_front && test.is_apart(k)) continue;
     const FeaturePair m = feature_pair(collider, feature, k, y, side);
+    if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12) continue;
     const double sign = m.where == FeaturePair::inside ? -1 : 1;
-    if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12 ||
-        (sign < 0 && m.distance > collider.depth()))
+    if (sign < 0 &&
+        (m.distance > collider.depth() || (all_in_front && is_in_front(collider, feature, m, y))))
       continue;
     const Vector3d normal = sign / m.distance * m.apart;
     visit(ContactPoint{v, m.weights, feature.corners, m.at, normal, sign * m.distance});

@@ -75,7 +75,10 @@ class ColliderContact {
   struct SheetFeature {  // a vertex, an edge or a triangle of the sheet
     std::array<int, 3> vertices;
     int corners;
-    std::vector<int> near;  // of the collider: indices of triangles, edges or corners
+    // indices of triangles, edges or corners of the collider; of edges and corners those from which
+    // the feature was no farther than it may be when the lists were made
+    std::vector<int> near;
+    bool is_close = false;  // a box round the feature met some of them
   };
   struct ContactPoint {
     std::array<int, 3> vertices;
@@ -128,12 +131,14 @@ class ColliderContact {
   void for_each_touch(std::size_t c, const Points3& y, Visit) const;
   template <class Visit>
   void touches_of(std::size_t c, const SheetFeature&, const Points3& y, Visit) const;
+  class NearTest;
   using EdgeEnds = std::array<Vector3d, 2>;
   using TriangleCorners = std::array<Vector3d, 3>;
   FeaturePair edge_pair(const Collider&, const EdgeEnds&, int k, int behind) const;
   FeaturePair corner_pair(const Collider&, const TriangleCorners&, int k, int behind) const;
   static bool is_in_front(const Collider&, const SheetFeature&, const FeaturePair&,
                           const Points3& y);
+  static int corners_behind(const SheetFeature&, const std::vector<char>& side);
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
                            const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;

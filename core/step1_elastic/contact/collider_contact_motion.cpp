@@ -166,7 +166,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     high = high.cwiseMax(p).cwiseMax(q);
     fastest = std::max(fastest, share * motion.row(feature.vertices[i]).norm());
   }
-  if (feature.near.empty() && fastest < tube) return share;
+  if (!feature.is_close && fastest < tube) return share;
   const auto meet = [&](int k) {
     std::array<Vector3d, 4> x, m;
     const bool edges = feature.corners == 2;

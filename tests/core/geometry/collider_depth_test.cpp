@@ -203,26 +203,5 @@ TEST(ColliderDepth, WhatHangsOverABorderIsAsDeepAsItHasCutIn) {
   EXPECT_NEAR(ColliderDepth(wall).deepest(sheet.x, sheet.triangles).depth, 0.0102, 1e-9);
 }
 
-TEST(ColliderDepth, CollidersAreAskedWhereTheyAre) {
-  const Sheet sheet = hex_sheet(0.2, 0.2, 40);
-  const ColliderMesh cube = box({0.1, 0.1, 0.001}, {0.11, 0.11, 0.011});
-  ColliderMesh rod = box({-0.004, -0.004, -0.05}, {0.004, 0.004, 0.05});
-  const auto both = [&](const Eigen::Affine3d& pose) {
-    ColliderMesh placed = rod;
-    for (int v = 0; v < rod.x.rows(); ++v)
-      placed.x.row(v) = (pose * Vector3d(rod.x.row(v))).transpose();
-    return std::vector<std::shared_ptr<const ColliderDepth>>{
-        std::make_shared<const ColliderDepth>(cube), std::make_shared<const ColliderDepth>(placed)};
-  };
-  const auto far = both(Eigen::Affine3d(Eigen::Translation3d(0.1, 0.1, 0.2)));
-  EXPECT_EQ(deepest_penetration(far, sheet.x, sheet.triangles).depth, 0);
-  const auto through =
-      both(Eigen::Translation3d(0.06, 0.07, 0) *
-           Eigen::AngleAxisd(0.4, (Vector3d::UnitX() + Vector3d::UnitY()).normalized()));
-  const ColliderPenetration found = deepest_penetration(through, sheet.x, sheet.triangles);
-  EXPECT_EQ(found.collider, 1u);
-  EXPECT_NEAR(found.depth, 0.004, 1e-4);
-}
-
 }  // namespace
 }  // namespace paperbake

@@ -1,12 +1,18 @@
 #include "core/geometry/collider.h"
 
+#include "core/geometry/proximity.h"
 #include "tests/core/collider_meshes.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 namespace paperbake {
 namespace {
 
+using test::ball;
 using test::box;
 using test::ground;
 
@@ -46,6 +52,37 @@ TEST(ColliderTest, EachPartOfAClosedMeshKnowsItsInside) {
       EXPECT_NEAR(collider.nearest({0.3, 0.1, 0.202}, 0.1, 1).distance, outside * 0.002, 1e-12);
       EXPECT_NEAR(collider.nearest({0.3, 0.1, 0.198}, 0.1, 1).distance, -outside * 0.002, 1e-12);
     }
+}
+
+TEST(ColliderTest, TheNearestPointIsThatOfAllTrianglesWhateverItsShape) {
+  const Collider first(ball(0.05, 24, 12));
+  Points3 x = first.mesh().x;
+  x.col(0) *= 0.4;
+  x.col(1) = x.col(1).array() + 3 * x.col(2).array().square();
+  const Collider bent(first, x);
+  ASSERT_TRUE(bent.closed());
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> anywhere(-0.1, 0.1);
+  for (const Collider* collider : {&first, &bent}) {
+    const Points3& at = collider->mesh().x;
+    int near = 0;
+    for (int k = 0; k < 500; ++k) {
+      const Vector3d p(anywhere(random), anywhere(random), anywhere(random));
+      double least = 1;
+      for (int t = 0; t < collider->mesh().triangles.rows(); ++t) {
+        const auto corner = [&](int i) {
+          return at.row(collider->mesh().triangles(t, i)).transpose();
+        };
+        least =
+            std::min(least, vertex_to_triangle({p, corner(0), corner(1), corner(2)}).distance());
+      }
+      EXPECT_EQ(std::abs(collider->nearest(p, 1, 1).distance), least);
+      const double within = 0.03, distance = collider->nearest(p, within, 1).distance;
+      EXPECT_EQ(std::abs(distance), least <= within ? least : INFINITY);
+      near += least <= within;
+    }
+    EXPECT_TRUE(50 < near && near < 450) << near;
+  }
 }
 
 }  // namespace

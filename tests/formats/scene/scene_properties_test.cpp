@@ -4,7 +4,12 @@
 
 #include "tests/formats/scene/scene_fixture.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
 
 namespace paperbake {
 namespace {
@@ -21,6 +26,30 @@ TEST(SceneProperties, UnknownPropertiesOnlyWarn) {
   EXPECT_TRUE(has_warning(scene, "paper_colour of node \"handle.moved\""));
   EXPECT_FALSE(has_warning(scene, "paper_weight") || has_warning(scene, "paper_uv") ||
                has_warning(scene, "other"));
+}
+
+TEST(SceneProperties, NamesThatAreNearlyThoseOfAPartAreTold) {
+  HeldSheet scene(grid(2, 2, 0.2, 0.2));
+  const std::map<std::string, std::string> slips = {{"Colider", "collider"},
+                                                    {"handel.1", "handle"},
+                                                    {"rig:papier_2", "paper"},
+                                                    {"crase", "crease"}};
+  for (const auto& [name, role] : slips) scene.mesh(name, grid(1, 1, 0.1, 0.1));
+  // other words, and one that is a collider by its property
+  for (const char* name : {"candle", "Wine", "Window", "hand.2", "tape", "increase", "glass"})
+    scene.mesh(name, grid(1, 1, 0.1, 0.1));
+  scene.mesh("collide", grid(1, 1, 0.1, 0.1), R"({"paper_collider":true})");
+  const Scene read = read_scene(scene.write("slips.gltf"));
+  for (const auto& [name, role] : slips)
+    EXPECT_TRUE(has_warning(read, fmt::format("\"{}\" has no part in the scene: should its name "
+                                              "begin with \"{}\"?",
+                                              name, role)))
+        << name;
+  EXPECT_EQ(std::count_if(read.warnings.begin(), read.warnings.end(),
+                          [](const std::string& warning) {
+                            return warning.find("has no part") != std::string::npos;
+                          }),
+            static_cast<long>(slips.size()));
 }
 
 TEST(SceneProperties, PropertiesAreReadWhateverTheirType) {

@@ -13,6 +13,7 @@ namespace paperbake {
 namespace {
 
 using test::all;
+using test::ball;
 using test::bin;
 using test::box;
 using test::ground;
@@ -40,6 +41,64 @@ TEST(ColliderContactTest, BarrierSlopesAreDerivativesAndTheLawContinuesInside) {
   }
   EXPECT_EQ(collider_barrier(collider_dhat).slope, 0);
   EXPECT_LT(collider_barrier(-1e-4).slope, -1.5);  // [N] more than paper presses on one vertex
+}
+
+/// Energy of a sheet of one triangle at a collider without friction.
+double energy_of_one(ColliderMesh mesh, const Points3& y) {
+  mesh.friction = 0;
+  const auto colliders = all({mesh});
+  ColliderContact contact(colliders, one_triangle(), 3);
+  contact.begin(y, {shapes_at(*colliders, 0), shapes_at(*colliders, 0)}, {});
+  return contact.energy(y);
+}
+
+TEST(ColliderContactTest, ALargeTriangleFeelsEveryCornerOfAFineBall) {
+  const ColliderMesh mesh = ball(0.05, 20, 40);
+  Points3 y(3, 3);
+  y << -0.2, -0.15, 0, 0.2, -0.15, 0, 0, 0.3, 0;
+  for (const double height : {1e-4, 3e-4}) {
+    y.col(2).setConstant(0.05 + height);
+    double expected = 0;
+    int felt = 0;
+    for (int v = 0; v < mesh.x.rows(); ++v)
+      if (const double distance = y(0, 2) - mesh.x(v, 2); distance < collider_dhat) {
+        expected += collider_barrier(distance).value;
+        ++felt;
+      }
+    EXPECT_GT(felt, 20);
+    EXPECT_NEAR(energy_of_one(mesh, y), expected, 1e-9 * expected) << height;
+  }
+}
+
+TEST(ColliderContactTest, AnEdgeFeelsEveryPieceOfARidgeItCrosses) {
+  // a roof whose ridge, along y, is cut into short pieces, and a triangle with one edge across it
+  constexpr int pieces = 40;
+  constexpr double piece = 1e-4, height = 2e-4;
+  ColliderMesh roof{"roof", Points3(3 * (pieces + 1), 3), Triangles(4 * pieces, 3), {}};
+  for (int k = 0; k <= pieces; ++k)
+    for (int side = -1; side <= 1; ++side)
+      roof.x.row(3 * k + side + 1) << 0.02 * side, piece * (k - pieces / 2 + 0.5),
+          -0.02 * std::abs(side);
+  for (int k = 0; k < pieces; ++k)
+    for (int i = 0; i < 2; ++i) {
+      const int a = 3 * k + i, b = a + 1, c = b + 3, d = a + 3;
+      roof.triangles.row(4 * k + 2 * i) << a, b, c;
+      roof.triangles.row(4 * k + 2 * i + 1) << a, c, d;
+    }
+  Points3 y(3, 3);
+  y << -0.01, 0, height, 0.01, 0, height, 0, 0.2, height;
+  double expected = 0;
+  const auto add = [&](double beside) {
+    const double distance = std::hypot(height, std::max(0.0, beside));
+    if (distance < collider_dhat) expected += collider_barrier(distance).value;
+  };
+  for (int k = 0; k <= pieces; ++k) {
+    const double at = roof.x(3 * k + 1, 1);
+    add(-at);                                                  // a corner and the triangle
+    if (k < pieces) add(std::max(at, -roof.x(3 * k + 4, 1)));  // a piece and the edge
+  }
+  // the triangle's other edges are too far away, but for the corners at which they begin
+  EXPECT_NEAR(energy_of_one(roof, y), expected, 1e-9 * expected);
 }
 
 /// A sheet of a few triangles near a box, rumpled so that faces, edges and corners of both are
