@@ -33,7 +33,7 @@ Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
                !can_keep(plan) || (!complete && !can_resume(plan))
                    ? "A bake with --polish starts from its first frame."
                : settings.resume == Resume::never
-                   ? "Without --resume never the same command continues from there."
+                   ? "Leave --resume never out, and the same command continues from there."
                    : "The same command continues from there.");
 }
 

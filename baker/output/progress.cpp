@@ -164,8 +164,9 @@ void Progress::rendered(const FrameRecord& record) {
 double Progress::seconds_left() const {
   double left = 0;
   for (const Pass* pass : {&simulate_, &render_})
-    if (pass->done > pass->taken)
-      left += pass->seconds / (pass->done - pass->taken) * (frames_ - pass->done);
+    if (const int own = pass->done - pass->taken; own > 0)
+      left += (own > 1 ? (pass->seconds - pass->first) / (own - 1) : pass->seconds) *
+              (frames_ - pass->done);
   return left;
 }
 
@@ -185,6 +186,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
   ++pass.done;
   const auto now = std::chrono::steady_clock::now();
   pass.seconds += std::chrono::duration<double>(now - last_).count();
+  if (pass.done - pass.taken == 1) pass.first = pass.seconds;
   last_ = now;
   if (on_step_) on_step_({pass.name, record.sheet, record.frame, pass.done, frames_});
   const std::string text = frame_text(pass, record, stretch_mean);

@@ -79,6 +79,7 @@ class Progress {
     const char* name;
     int done = 0, taken = 0;  // taken: of them, from an earlier bake
     double seconds = 0;       // that its frames took
+    double first = 0;         // [s] of these for the first one, with which more is prepared
   };
   struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }

@@ -11,8 +11,8 @@ namespace paperbake {
 std::size_t edit_distance(const std::string& word, const std::string& other);
 
 /// The word most similar to `word` by edit distance, the first of equals. Empty when none is
-/// similar enough to be meant: at most a third of the letters of the longer word may differ, and one
-/// always may.
+/// similar enough to be meant: at most a third of the letters of the longer word may differ, and
+/// one always may.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
 
 /// ' Did you mean "copy70"?', or an empty text when no word is similar enough.

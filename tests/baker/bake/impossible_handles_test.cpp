@@ -3,6 +3,7 @@
 #include "tests/baker/program_fixture.h"
 #include "tests/formats/scene/gltf_fixture.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -45,6 +46,21 @@ TEST_F(ImpossibleHandlesTest, HandlesThatAskTheImpossibleAreNamedAndEndWithFour)
   EXPECT_TRUE(fs::exists(fs::path(output()) / "drawn_apart.abc")) << "it is baked all the same";
   EXPECT_LT(double(summary["stretch_max_pct"]["max"]), 5)
       << "the request is projected to what paper can reach";
+}
+
+TEST_F(ImpossibleHandlesTest, ATautSheetThatStandsStillIsNotSaidToBeUnsolved) {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(1, 1, 0.1, 0.1));
+  for (const auto& [name, y] : {std::pair("low", 0.0), {"high", 0.1}})
+    for (const double x : {0.0, 0.1})
+      scene.move(scene.node(fmt::format("handle.{}.{}", name, x), {x, y, 0}), {1, 13},
+                 {{x, y, 0}, {0.05 + 1.5 * (x - 0.05), y, 0}});
+  const Ended ended = run({"bake", scene.write("taut.gltf").string(), "-o", output(), "--triangles",
+                           "50", "--map-size", "8"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NE(ended.err.find("keyed beyond the reach"), std::string::npos) << ended.err;
+  EXPECT_EQ(ended.err.find("not solved"), std::string::npos) << ended.err;
+  EXPECT_EQ(read(fs::path(output()) / "cert/frames.jsonl").find("not solved"), std::string::npos);
 }
 
 TEST_F(ImpossibleHandlesTest, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {

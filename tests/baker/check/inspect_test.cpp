@@ -91,6 +91,23 @@ TEST_F(InspectTest, APaperThatThereIsNotEndsAsItsBakeDoes) {
   both_refuse(scene(R"({"paper_gsm":8000})"), place, "The thickness cannot be");
 }
 
+TEST_F(InspectTest, WhatABakeWouldWarnOfIsToldBeforeIt) {
+  test::GltfFixture scene;  // two sheets in one place, which fall
+  scene.mesh("paper.a", test::grid(1, 1, 0.2, 0.2), R"({"paper_gravity":9.81})");
+  scene.mesh("paper.b", test::grid(1, 1, 0.2, 0.2));
+  const std::string file = scene.write("falls.gltf");
+  const auto inspected = nlohmann::json::parse(run({"inspect", file, "--json"}).out);
+  const Ended bake = run({"bake", file, "-o", output(), "--dry-run"});
+  ASSERT_EQ(bake.code, 0) << bake.err;
+  bool tells_frames = false, tells_sheets = false;
+  for (const std::string warning : inspected.at("warnings")) {
+    EXPECT_NE(bake.err.find(warning), std::string::npos) << warning;
+    tells_frames |= warning.rfind("Frames 1-96 are baked", 0) == 0;
+    tells_sheets |= warning.rfind("The sheets \"paper.a\" and \"paper.b\"", 0) == 0;
+  }
+  EXPECT_TRUE(tells_frames && tells_sheets) << inspected.at("warnings");
+}
+
 TEST_F(InspectTest, CollidersAreListedWithWhatTheyAreAndWhereTheSheetIs) {
   const Ended ended = run({"inspect", samples + "/F2_half.glb", "--json"});
   ASSERT_EQ(ended.code, 0) << ended.err;

@@ -22,11 +22,14 @@ using test::write;
 
 class StaleFilesTest : public CommandLine {
  protected:
-  void bake_as(const Words& more, const std::string& scene = samples + "/S4_crumple.glb") const {
+  std::string bake_as(const Words& more,
+                      const std::string& scene = samples + "/S4_crumple.glb") const {
     Words words{"bake", scene,      "-o",  output(),     "--method", "fem",       "--triangles",
                 "100",  "--frames", "1-2", "--map-size", "8",        "--quality", "draft"};
     words.insert(words.end(), more.begin(), more.end());
-    ASSERT_EQ(run(words).code, 0);
+    const test::Ended ended = run(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.err;
   }
   std::set<std::string> files() const {
     std::set<std::string> found;
@@ -96,10 +99,13 @@ TEST_F(StaleFilesTest, ABakeOfAnotherShotKeepsTheCachesOfTheFirst) {
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
-TEST_F(StaleFilesTest, ABakeWithoutACertificateLeavesNoOldOne) {
-  bake_as({"--formats", "abc,cert"});
-  bake_as({"--formats", "abc"});
-  EXPECT_FALSE(files().count("cert/summary.json"));
+TEST_F(StaleFilesTest, ABakeWithoutACertificateLeavesNoOldOneAndSaysSo) {
+  EXPECT_EQ(bake_as({"--formats", "abc,cert"}).find("Removed"), std::string::npos);
+  EXPECT_NE(bake_as({"--formats", "abc"})
+                .find("Removed, because this bake does not write it: cert/frames.jsonl, "
+                      "cert/handles.csv, cert/summary.json.\n"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(fs::path(output()) / "cert"));
 }
 
 }  // namespace

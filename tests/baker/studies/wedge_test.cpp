@@ -258,6 +258,12 @@ TEST_F(WedgeTest, NothingIsWrittenWhenWordsOrSceneAreWrong) {
   EXPECT_FALSE(fs::exists(output()));
 }
 
+TEST_F(WedgeTest, OptionsForSlurmAloneBakeNothing) {
+  const Ended ended = wedge({"--vary", "seed=1..2", "--slurm", "--mem=2G"});
+  EXPECT_TRUE(is_error(ended, 2, "command line", "--slurm requires --submit"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
 TEST_F(WedgeTest, WithoutSbatchTheScriptIsWrittenAllTheSame) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder.c_str(), 1);
