@@ -44,7 +44,7 @@ def options(scene, settings):
     if not scene.frame_start <= first <= last:
         raise program.Unusable(f"Frames {first} to {last} cannot be baked: the scene begins at {scene.frame_start}.")
     words = ["--quality", settings.quality, "--method", settings.method, "--frames", f"{first}-{last}"]
-    if settings.gravity:  # where the panel says none, that of the sheets counts
+    if settings.gravity:  # where the panel says none, that of the objects counts
         words += ["--gravity", f"{settings.gravity:g}"]
     words += further(settings.options)
     if abs(scene.unit_settings.scale_length - 1) > 1e-9:

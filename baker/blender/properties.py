@@ -132,7 +132,7 @@ class SceneSettings(bpy.types.PropertyGroup):
     method: bpy.props.EnumProperty(name="Method", default="hybrid", items=[
         ("hybrid", "Hybrid", "Fast; creases where paper would have them"), ("fem", "FEM", "Finite elements on a fixed mesh; elastic paper"),
         ("adaptive", "Adaptive", "Finite elements, the mesh refined where it bends"), ("hybrid+fem", "Hybrid + FEM", "Hybrid, then every frame polished")])
-    gravity: bpy.props.FloatProperty(name="Gravity", default=0.0, soft_min=0.0, soft_max=9.81, description="m/s\u00b2, downwards; 0: as the property paper_gravity of a sheet says")
+    gravity: bpy.props.FloatProperty(name="Gravity", default=0.0, soft_min=0.0, soft_max=9.81, description="m/s\u00b2, downwards; 0: as the property paper_gravity of an object says")
     options: bpy.props.StringProperty(name="Options", description="Further options of paperbake bake, as on its command line: --base-triangles 240")
     own_frames: bpy.props.BoolProperty(name="Own Frames", description="Other frames than the scene's; it is simulated from the scene's first all the same")
     first: bpy.props.IntProperty(name="First", default=1, min=0)

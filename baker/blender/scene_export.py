@@ -96,12 +96,16 @@ def remarks(scene):
 
 
 def gravity_of(scene):
-    """[m/s2] that of the panel or, where that is 0, of the property of a sheet; and what says so"""
+    """[m/s2] that of the panel or, where that is 0, of the property of an object; and what says so"""
     if scene.paperbake.gravity:
         return scene.paperbake.gravity, "the panel"
-    for sheet in names.of_role(scene, names.SHEET):
-        if value := sheet.get("paper_gravity"):
-            return value, f"paper_gravity of {sheet.name}"
+    for thing in relevant(scene):
+        try:
+            value = float(thing.get("paper_gravity", 0))
+        except (TypeError, ValueError):  # the program says what is wrong with it
+            continue
+        if value:
+            return value, f"paper_gravity of {thing.name}"
     return 0, "the panel"
 
 

@@ -163,8 +163,8 @@ std::string scene_text(const Scene& scene, const BakePlan& plan) {
 }  // namespace
 
 std::string inspect_job(const BakeSettings& settings, bool json) {
-  const BakePlan plan = plan_bake(settings);
   const Scene scene = read_scene(settings.scene, settings.reading);
+  const BakePlan plan = plan_bake(settings, scene);
   if (!json) {
     std::string text = scene_text(scene, plan) + "values:\n";
     for (const UsedValue& value : plan.used)

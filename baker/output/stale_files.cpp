@@ -31,6 +31,16 @@ Written read_list(const fs::path& list) {
   return written;
 }
 
+/// Removes a folder below the output folder in which nothing is left. A link to a folder stays: it
+/// is somebody's.
+void remove_if_empty(const fs::path& base, const fs::path& folder) {
+  std::error_code none;
+  const fs::path place = folder.lexically_normal();
+  if (place.empty() || place == "." || place.is_absolute() || *place.begin() == "..") return;
+  if (fs::symlink_status(base / place, none).type() == fs::file_type::directory)
+    fs::remove(base / place, none);  // fails where something is left
+}
+
 }  // namespace
 
 bool outputs_unmodified(const fs::path& folder) {
@@ -78,7 +88,7 @@ std::vector<std::string> replace_outputs(const fs::path& folder, const std::stri
       continue;
     }
     if (fs::remove(base / path, none)) removed.push_back(path);
-    fs::remove((base / path).parent_path(), none);  // unless something is left in it
+    remove_if_empty(base, fs::path(path).parent_path());
   }
   std::string text = "shot " + shot + "\n";
   for (const auto& [path, key] : files) text += key + " " + path + "\n";

@@ -63,10 +63,26 @@ void BoxTree::visit(const Eigen::AlignedBox3d& box, const std::function<void(int
   }
 }
 
+bool BoxTree::reaches_above(const Eigen::Vector3d& normal, double level) const {
+  if (nodes_.empty()) return false;
+  std::array<int, 64> open;
+  int top = 0;
+  open[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[open[--top]];
+    const double highest = (normal.array() > 0).select(node.box.max(), node.box.min()).dot(normal);
+    if (!(highest > level)) continue;
+    if (node.item >= 0) return true;
+    open[top++] = node.right;
+    open[top++] = node.left;
+  }
+  return false;
+}
+
 void BoxTree::visit_nearest(const Eigen::Vector3d& p, double within,
                             const std::function<double(int)>& distance) const {
-  constexpr double rounding = 1e-12;  // [m] of distances between points metres from the origin
   if (nodes_.empty()) return;
+  const double rounding = 1e-12 * (1 + p.cwiseAbs().maxCoeff());  // [m] of distances from p
   struct Open {
     int node;
     double distance;

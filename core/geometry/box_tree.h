@@ -17,6 +17,8 @@ class BoxTree {
   void refit(const std::vector<Eigen::AlignedBox3d>& boxes);
   /// Calls the visitor with the number of every item whose box meets this one.
   void visit(const Eigen::AlignedBox3d&, const std::function<void(int)>&) const;
+  /// Whether the box of some item reaches above a plane: has a point with normal . point > level.
+  bool reaches_above(const Eigen::Vector3d& normal, double level) const;
   /// Finds the item nearest to p: calls `distance` with the number of an item wherever its box is
   /// not farther from p than `within` and than what it has returned so far. The order of the calls
   /// is that of the tree: of items at equal distances, which is the nearest is up to the caller.

@@ -77,20 +77,28 @@ bool is_closed(const MeshEdges& edges) {
 
 }  // namespace
 
-/// The edges of the mesh, and the trees over the first shape. A tree over another shape with as
-/// many items is divided in the same way: rebuilding costs more than the rest of a collider.
+/// The edges of the mesh and, if it moves, the trees over its first shape. Over another shape with
+/// the same items a tree is divided in the same way: to divide it anew costs more than all the rest.
 struct Collider::FirstShape {
   explicit FirstShape(const Triangles& triangles) : edges(triangles) {}
 
   MeshEdges edges;
-  std::vector<Edge> sharp_edges;
-  std::vector<Corner> corners;
+  std::vector<std::array<int, 2>> sharp_edges;
+  std::vector<int> corners;
   BoxTree triangle_tree, edge_tree, corner_tree;
 };
 
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   if (is_closed(MeshEdges(mesh_.triangles))) face_outwards(mesh_);
+  const auto first = std::make_shared<FirstShape>(mesh_.triangles);
+  first_ = first;
   prepare();
+  if (mesh_.frames.empty()) return;
+  first->sharp_edges = ends_of_edges();
+  first->corners = vertices_of_corners();
+  first->triangle_tree = triangle_tree_;
+  first->edge_tree = edge_tree_;
+  first->corner_tree = corner_tree_;
 }
 
 Collider::Collider(const Collider& other, const Points3& x)
@@ -100,20 +108,24 @@ Collider::Collider(const Collider& other, const Points3& x)
 }
 
 void Collider::prepare() {
-  std::shared_ptr<FirstShape> made;
-  if (!first_) first_ = made = std::make_shared<FirstShape>(mesh_.triangles);
   closed_ = is_closed(first_->edges);
   const Vector3d sides = sides_of_box(mesh_.x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
   find_corners(first_->edges, find_sharp_edges(first_->edges));
   build_trees();
-  if (!made) return;
-  made->sharp_edges = edges_;
-  made->corners = corners_;
-  made->triangle_tree = triangle_tree_;
-  made->edge_tree = edge_tree_;
-  made->corner_tree = corner_tree_;
+}
+
+std::vector<std::array<int, 2>> Collider::ends_of_edges() const {
+  std::vector<std::array<int, 2>> ends;
+  for (const Edge& edge : edges_) ends.push_back({edge.a, edge.b});
+  return ends;
+}
+
+std::vector<int> Collider::vertices_of_corners() const {
+  std::vector<int> vertices;
+  for (const Corner& corner : corners_) vertices.push_back(corner.vertex);
+  return vertices;
 }
 
 void Collider::build_trees() {
@@ -124,28 +136,20 @@ void Collider::build_trees() {
   };
   const auto make = [](BoxTree& tree, const BoxTree& of_first, bool alike,
                        const std::vector<Eigen::AlignedBox3d>& boxes) {
-    if (!alike) return tree.build(boxes);
+    if (!alike || of_first.empty()) return tree.build(boxes);
     tree = of_first;
     tree.refit(boxes);
   };
-  const auto same_edge = [](const Edge& e, const Edge& f) { return e.a == f.a && e.b == f.b; };
-  const auto same_corner = [](const Corner& c, const Corner& d) { return c.vertex == d.vertex; };
   std::vector<Eigen::AlignedBox3d> boxes;
   for (int t = 0; t < mesh_.triangles.rows(); ++t)
     boxes.push_back(box_of({mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)}));
-  make(triangle_tree_, first_->triangle_tree, !first_->triangle_tree.empty(), boxes);
+  make(triangle_tree_, first_->triangle_tree, true, boxes);
   boxes.clear();
   for (const Edge& edge : edges_) boxes.push_back(box_of({edge.a, edge.b}));
-  make(edge_tree_, first_->edge_tree,
-       std::equal(edges_.begin(), edges_.end(), first_->sharp_edges.begin(),
-                  first_->sharp_edges.end(), same_edge),
-       boxes);
+  make(edge_tree_, first_->edge_tree, ends_of_edges() == first_->sharp_edges, boxes);
   boxes.clear();
   for (const Corner& corner : corners_) boxes.push_back(box_of({corner.vertex}));
-  make(corner_tree_, first_->corner_tree,
-       std::equal(corners_.begin(), corners_.end(), first_->corners.begin(), first_->corners.end(),
-                  same_corner),
-       boxes);
+  make(corner_tree_, first_->corner_tree, vertices_of_corners() == first_->corners, boxes);
 }
 
 void Collider::find_normals() {
@@ -204,7 +208,9 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
     sharp[a] = sharp[b] = 1;
     for (int i = 0; i < 2; ++i) {
       const Vector3d normal = along.cross(edge.inward[i]);
-      edge.outward[i] = normal.dot(edge.inward[1 - i]) > 0 ? -normal : normal;
+      const double other = normal.dot(edge.inward[1 - i]);
+      // none where one of the faces has no area
+      edge.outward[i] = other > 0 ? -normal : other < 0 ? normal : Vector3d(Vector3d::Zero());
     }
     edges_.push_back(edge);
   }

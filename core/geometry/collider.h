@@ -141,7 +141,7 @@ class Collider {
   /// from behind, 0 if it does not.
   int passes_through(const Vector3d& p, const Vector3d& q) const;
 
-  struct FirstShape;  // what the shapes that the collider takes have in common
+  struct FirstShape;  // what the shapes that the collider takes can share
 
   void prepare();
   // parts of the construction, in this order
@@ -149,6 +149,8 @@ class Collider {
   std::vector<char> find_sharp_edges(const MeshEdges&);  // returns |V| whether one ends there
   void find_corners(const MeshEdges&, const std::vector<char>& sharp);
   void build_trees();
+  std::vector<std::array<int, 2>> ends_of_edges() const;
+  std::vector<int> vertices_of_corners() const;
 
   ColliderMesh mesh_;
   bool closed_ = false;

@@ -1,5 +1,7 @@
 #include "core/geometry/collider_depth.h"
 
+#include "core/geometry/box_tree.h"
+
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -109,7 +111,7 @@ class ColliderDepth::Part {
     tree_.build();
     tree_.accelerate_distance_queries();
     // of an open part only a plane bounds the depth, as a ground does
-    planes_bound_ = (closed_ || is_flat(x)) && is_convex();
+    planes_bound_ = closed_ ? is_convex(x) : share_plane(x);
     if (closed_ && paper_side == ColliderMesh::PaperSide::inside) {
       hollow_ = true;
       planes_bound_ = false;
@@ -163,24 +165,35 @@ class ColliderDepth::Part {
       for (Vector3d& n : normals_) n = -n;
   }
 
-  /// Whether no vertex is in front of the plane of a face. The faces hang together: if one is, some
-  /// face passes through the plane.
-  bool is_convex() const {
+  /// Whether no vertex is in front of the plane of a face.
+  bool is_convex(const Points3& x) const {
     const double flat = 1e-7 * box_.diagonal().norm();
-    for (std::size_t k = 0; k < faces_.size(); ++k) {
-      const Vector3d &n = normals_[k], above = origins_[k] + flat * n;
-      if (tree_.do_intersect(Kernel::Plane_3(n.x(), n.y(), n.z(), -n.dot(above)))) return false;
-    }
+    std::vector<Eigen::AlignedBox3d> vertices;
+    for (const auto& [v, faces] : around_) vertices.emplace_back(row(x, v));
+    BoxTree tree;
+    tree.build(std::move(vertices));
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+      if (tree.reaches_above(normals_[k], normals_[k].dot(origins_[k]) + flat)) return false;
     return true;
   }
 
-  bool is_flat(const Points3& x) const {
+  /// If all faces of an open part lie in one plane, each gets that of the largest, which rounding
+  /// turns least. Returns whether they do.
+  bool share_plane(const Points3& x) {
     const double flat = 1e-7 * box_.diagonal().norm();
-    for (std::size_t k = 0; k < faces_.size(); ++k)
-      if (normals_[k].dot(normals_[0]) <= 0) return false;
-    return std::all_of(around_.begin(), around_.end(), [&](const auto& vertex) {
-      return std::abs(normals_[0].dot(row(x, vertex.first) - origins_[0])) < flat;
-    });
+    const auto smaller = [](const Face& a, const Face& b) {
+      return a.squared_area() < b.squared_area();
+    };
+    const std::size_t largest =
+        std::max_element(faces_.begin(), faces_.end(), smaller) - faces_.begin();
+    const Vector3d normal = normals_[largest], origin = origins_[largest];
+    for (const Vector3d& n : normals_)
+      if (n.dot(normal) <= 0) return false;
+    for (const auto& [v, faces] : around_)
+      if (std::abs(normal.dot(row(x, v) - origin)) >= flat) return false;
+    std::fill(normals_.begin(), normals_.end(), normal);
+    std::fill(origins_.begin(), origins_.end(), origin);
+    return true;
   }
 
   /// The number of zeros among the barycentric coordinates of a point of a face, and one of them.

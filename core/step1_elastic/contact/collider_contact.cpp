@@ -199,7 +199,8 @@ class ColliderContact::NearTest {
     const int corner = collider_.corners()[k].vertex;
     const double above = normal_.dot(row(collider_.mesh().x, corner) - y_[0]);
     if (std::abs(above) > std::max(collider_dhat, collider_.depth()) + rounding) return true;
-    // the sheet leads out of all faces nowhere near their mean normal
+    // In front of all faces it is on the side of their mean normal. What is inside as far as they
+    // tell leads out of each of them, at most in_cone off, and so to the other side, or nearly.
     const double lean = (above < 0 ? 1 : -1) * normal_.dot(collider_.vertex_normal(corner));
     return std::abs(above) > collider_dhat + rounding && lean > 2 * in_cone;
   }
@@ -239,16 +240,15 @@ int ColliderContact::corners_behind(const SheetFeature& feature, const std::vect
 /// `inside` is what the faces beside the edge or the corner say: see is_in_front.
 ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
                                                            const SheetFeature& feature, int k,
-                                                           const Points3& y,
-                                                           const std::vector<char>& side) const {
+                                                           const Points3& y, int behind) const {
   const auto& v = feature.vertices;
-  const int behind = corners_behind(feature, side);
   return feature.corners == 2
              ? edge_pair(collider, {row(y, v[0]), row(y, v[1])}, k, behind)
              : corner_pair(collider, {row(y, v[0]), row(y, v[1]), row(y, v[2])}, k, behind);
 }
 
-/// Visits every contact of a feature that is inside or nearer than collider_dhat, and some others.
+/// Visits every contact of a feature that is inside or nearer than collider_dhat, and others that
+/// are farther away: who asks has to look at the distance.
 template <class Visit>
 void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& y,
                                  Visit visit) const {
@@ -261,11 +261,12 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
         visit(ContactPoint{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
-  const bool all_in_front = corners_behind(feature, side) == 0;
+  const int behind = corners_behind(feature, side);
+  const bool all_in_front = behind == 0;
   const NearTest test(collider, feature, y);
   for (const int k : feature.near) {
     if (all_in_front && test.is_apart(k)) continue;
-    const FeaturePair m = feature_pair(collider, feature, k, y, side);
+    const FeaturePair m = feature_pair(collider, feature, k, y, behind);
     if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12) continue;
     const double sign = m.where == FeaturePair::inside ? -1 : 1;
     if (sign < 0 &&

@@ -78,7 +78,8 @@ class ColliderContact {
     // indices of triangles, edges or corners of the collider; of edges and corners those from which
     // the feature was no farther than it may be when the lists were made
     std::vector<int> near;
-    bool is_close = false;  // a box round the feature met some of them
+    // a box round the feature met some, whether they are that near or not: it may meet them soon
+    bool is_close = false;
   };
   struct ContactPoint {
     std::array<int, 3> vertices;
@@ -140,7 +141,7 @@ class ColliderContact {
                           const Points3& y);
   static int corners_behind(const SheetFeature&, const std::vector<char>& side);
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
-                           const std::vector<char>& side) const;
+                           int behind) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   Vector3d reachable(int vertex, Vector3d to) const;
   // parts of collision_free_step()

@@ -167,6 +167,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     fastest = std::max(fastest, share * motion.row(feature.vertices[i]).norm());
   }
   if (!feature.is_close && fastest < tube) return share;
+  const int behind = corners_behind(feature, states_[c].side);
   const auto meet = [&](int k) {
     std::array<Vector3d, 4> x, m;
     const bool edges = feature.corners == 2;
@@ -185,8 +186,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
       m[0] = Vector3d::Zero();
     }
     // what is inside already has to be able to come out
-    if (feature_pair(collider, feature, k, y, states_[c].side).where != FeaturePair::outside)
-      return;
+    if (feature_pair(collider, feature, k, y, behind).where != FeaturePair::outside) return;
     const double free = paperbake::collision_free_step(
         x, m, edges ? Features::two_edges : Features::vertex_and_triangle);
     if (free < 1 && free > 0) share *= free;

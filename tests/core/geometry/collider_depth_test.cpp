@@ -203,5 +203,17 @@ TEST(ColliderDepth, WhatHangsOverABorderIsAsDeepAsItHasCutIn) {
   EXPECT_NEAR(ColliderDepth(wall).deepest(sheet.x, sheet.triangles).depth, 0.0102, 1e-9);
 }
 
+TEST(ColliderDepth, BoxesThatATriangleWithoutAreaJoinsAreNotOneConvexSolid) {
+  ColliderMesh both = box({0, 0, -0.01}, {0.02, 0.02, 0.01});
+  const ColliderMesh other = box({0.06, 0, -0.01}, {0.08, 0.02, 0.01});
+  both.x.conservativeResize(16, 3);
+  both.x.bottomRows(8) = other.x;
+  both.triangles.conservativeResize(25, 3);
+  both.triangles.middleRows(12, 12) = other.triangles.array() + 8;
+  both.triangles.row(24) << 0, 8, 8;
+  Sheet sheet = hex_sheet(0.09, 0.02, 200);
+  EXPECT_NEAR(ColliderDepth(both).deepest(sheet.x, sheet.triangles).depth, 0.01, 1e-4);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -55,11 +55,12 @@ TEST(ColliderTest, EachPartOfAClosedMeshKnowsItsInside) {
 }
 
 TEST(ColliderTest, TheNearestPointIsThatOfAllTrianglesWhateverItsShape) {
-  const Collider first(ball(0.05, 24, 12));
-  Points3 x = first.mesh().x;
+  ColliderMesh mesh = ball(0.05, 24, 12);
+  Points3 x = mesh.x;
   x.col(0) *= 0.4;
   x.col(1) = x.col(1).array() + 3 * x.col(2).array().square();
-  const Collider bent(first, x);
+  mesh.frames.own() = {mesh.x, x};
+  const Collider first(mesh), bent(first, x);
   ASSERT_TRUE(bent.closed());
   std::mt19937 random(1);
   std::uniform_real_distribution<double> anywhere(-0.1, 0.1);

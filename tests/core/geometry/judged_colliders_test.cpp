@@ -44,6 +44,23 @@ TEST(JudgedCollidersTest, AreAskedWhereTheyAreInTheFrame) {
   }
 }
 
+TEST(JudgedCollidersTest, APlateOfTwoTrianglesKeepsItsFrontHoweverItIsTurned) {
+  // a sheet that reaches 3 mm behind the plate on one side, and 5 mm before it on the other
+  const Vector3d about = Vector3d(1, 2, -1).normalized();
+  ColliderMesh plate = test::ground(0.3);
+  const Sheet flat = hex_sheet(0.1, 0.1, 200);
+  for (const double degrees : {0.0, 90.0, 180.0, 250.0}) {
+    const Eigen::Affine3d pose(Eigen::Translation3d(0.2, -0.1, 0.3) *
+                               Eigen::AngleAxisd(degrees * M_PI / 180, about));
+    const JudgedColliders colliders({posed(plate, {Eigen::Affine3d::Identity(), pose})});
+    Points3 x = flat.x;
+    x.col(2) = 0.005 - 0.08 * x.col(0).array();
+    const Points3 there =
+        (x * pose.linear().transpose()).rowwise() + pose.translation().transpose();
+    EXPECT_NEAR(colliders.deepest(1, there, flat.triangles).depth, 0.003, 1e-6) << degrees;
+  }
+}
+
 TEST(JudgedCollidersTest, AMirroredColliderIsNotTakenForATurnedOne) {
   // a wedge that reaches through the sheet on one side of a plane only
   ColliderMesh wedge = box({0, 0, -0.01}, {0.05, 0.02, 0.01});
