@@ -78,7 +78,7 @@ bool is_closed(const MeshEdges& edges) {
 }  // namespace
 
 /// The edges of the mesh and, if it moves, the trees over its first shape. Over another shape with
-/// the same items a tree is divided in the same way: to divide it anew costs more than all the rest.
+/// the same items a tree is divided in the same way: dividing it anew costs more than all the rest.
 struct Collider::FirstShape {
   explicit FirstShape(const Triangles& triangles) : edges(triangles) {}
 

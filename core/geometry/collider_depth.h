@@ -8,8 +8,8 @@
 
 namespace paperbake {
 
-// [m] A depth that ColliderDepth measures may be wrong by so much, or by 1 % if that is more; one of
-// JudgedColliders by a twentieth more.
+// [m] A depth that ColliderDepth measures may be wrong by so much, or by 1 % if that is more; one
+// of JudgedColliders by a twentieth more.
 inline constexpr double depth_exact_to = 2e-6;
 
 /// The deepest point of a surface inside a collider.

@@ -1,9 +1,13 @@
 #include "core/geometry/collider_facing.h"
 
+#include "core/geometry/mesh_edges.h"
+
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -57,6 +61,45 @@ Votes votes(const Collider& open, const Points3& points) {
 }
 
 }  // namespace
+
+int turn_to_neighbours(Triangles& triangles) {
+  const MeshEdges edges(triangles);
+  struct Neighbour {
+    int triangle;
+    bool alike;  // faces the same way
+  };
+  const int n = static_cast<int>(triangles.rows());
+  std::vector<std::vector<Neighbour>> neighbours(n);
+  for (const MeshEdge& edge : edges)
+    if (edge.size() == 2) {
+      const bool alike = edge[0].forwards != edge[1].forwards;
+      neighbours[edge[0].triangle].push_back({edge[1].triangle, alike});
+      neighbours[edge[1].triangle].push_back({edge[0].triangle, alike});
+    }
+  enum : char { unknown, kept, turned };
+  std::vector<char> facing(n, unknown);
+  int count = 0;
+  for (int start = 0; start < n; ++start) {
+    if (facing[start] != unknown) continue;
+    facing[start] = kept;
+    std::vector<int> part{start};
+    for (std::size_t k = 0; k < part.size(); ++k)
+      for (const Neighbour& next : neighbours[part[k]])
+        if (facing[next.triangle] == unknown) {
+          facing[next.triangle] = (facing[part[k]] == kept) == next.alike ? kept : turned;
+          part.push_back(next.triangle);
+        }
+    const auto others =
+        std::count_if(part.begin(), part.end(), [&](int t) { return facing[t] == turned; });
+    const bool most_turned = 2 * others > static_cast<long>(part.size());
+    for (const int t : part)
+      if ((facing[t] == turned) != most_turned) {
+        std::swap(triangles(t, 1), triangles(t, 2));
+        ++count;
+      }
+  }
+  return count;
+}
 
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
   for (ColliderMesh& mesh : meshes) {

@@ -8,6 +8,11 @@
 
 namespace paperbake {
 
+/// Turns triangles that face the other way than the neighbours with which they share an edge: in
+/// each part that hangs together by edges of two triangles, most stay as they are. A surface that
+/// has only one side keeps what cannot be turned. Returns how many were turned.
+int turn_to_neighbours(Triangles&);
+
 /// Decides for closed meshes whether the sheet stays outside or inside, where the mesh leaves it
 /// open: inside when all of the sheet begins there.
 /// Orients open meshes so that their front is on the side where most of the sheet is at the start.

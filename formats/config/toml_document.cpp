@@ -94,9 +94,7 @@ TomlDocument parse_toml(const std::string& file, const std::string& text) {
     const toml::source_position at = error.source().begin;
     const std::optional<toml::source_position> quote = open_quote(text);
     fail({file, {}}, at, fmt::format("This is not TOML: {}.", error.description()),
-         quote && precedes(*quote, at)
-             ? "A quote before this place may not be closed."
-             : "Text stands in quotes, as in frames = \"1-24\"; numbers, true and false do not.");
+         quote && precedes(*quote, at) ? "A quote before this place may not be closed." : "");
   }
 }
 

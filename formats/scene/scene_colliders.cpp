@@ -1,5 +1,6 @@
 #include "formats/scene/scene_colliders.h"
 
+#include "core/geometry/collider_facing.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
@@ -143,6 +144,11 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
           fmt::format("The collider \"{}\" has no faces: it is ignored.", collider.name));
       continue;
     }
+    if (const int turned = turn_to_neighbours(collider.triangles); turned > 0)
+      warnings.push_back(
+          fmt::format("{} of the {} triangles of the collider \"{}\" face the other way than their "
+                      "neighbours: they are taken as turned round. Recalculate its normals.",
+                      turned, collider.triangles.rows(), collider.name));
     if (collider.paper_side == PaperSide::inside && !Collider(collider).closed())
       warnings.push_back(fmt::format(
           "The collider \"{}\" is open, and the paper cannot stay inside it: it stays on the side "

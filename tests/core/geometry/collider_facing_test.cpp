@@ -5,12 +5,35 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace paperbake {
 namespace {
 
 using test::bin;
 using test::box;
 using test::ground;
+
+TEST(ColliderFacingTest, TrianglesThatFaceTheOtherWayAreTurnedAndMostStay) {
+  for (const ColliderMesh& mesh : {test::ball(0.05, 12, 8), bin(0.1)}) {
+    Triangles flipped = mesh.triangles;
+    int few = 0;
+    for (int t = 0; t < flipped.rows(); ++t)
+      if (t % 3 == 1) {
+        std::swap(flipped(t, 1), flipped(t, 2));
+        ++few;
+      }
+    EXPECT_EQ(turn_to_neighbours(flipped), few);
+    EXPECT_EQ(flipped, mesh.triangles);
+    EXPECT_EQ(turn_to_neighbours(flipped), 0);
+  }
+  // a band that is closed after half a twist has one side
+  Triangles band(6, 3);
+  band << 0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4, 4, 5, 1, 5, 0, 1;
+  Triangles again = band;
+  turn_to_neighbours(again);
+  EXPECT_EQ(turn_to_neighbours(again), 0) << "it does not go on and on";
+}
 
 TEST(ColliderFacingTest, ASheetThatBeginsInAClosedMeshStaysInsideUnlessTheMeshSaysOtherwise) {
   using Side = ColliderMesh::PaperSide;
