@@ -16,7 +16,9 @@ namespace paperbake {
 
 namespace {
 
-constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle counts as flat
+// An edge counts as flat if it turns less than the first of these, and less than a surface of the
+// second as radius turns from facet to facet: a fine mesh bends by many edges that turn little.
+constexpr double flat = 0.01, flattest = 10;              // [rad], [m]
 constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
 constexpr double of_thickness = 0.3;  // [1] depth() over the shortest side of a closed mesh's box
 constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
@@ -191,10 +193,11 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
       border_edge_[s.triangle][s.corner] = border;
     }
     const Vector3d along = (row(x, b) - row(x, a)).normalized();
-    const auto inward = [&](const TriangleSide& s) -> Vector3d {
+    const auto across = [&](const TriangleSide& s) -> Vector3d {
       const Vector3d to = row(x, triangles(s.triangle, s.corner)) - row(x, a);
-      return (to - along * along.dot(to)).normalized();
+      return to - along * along.dot(to);
     };
+    const auto inward = [&](const TriangleSide& s) -> Vector3d { return across(s).normalized(); };
     Edge edge{a, b, {inward(sides[0]), -row(face_normal_, sides[0].triangle)}, {}, border};
     if (border) {
       border_vertex_[a] = border_vertex_[b] = 1;
@@ -203,7 +206,8 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
       const double turns = std::acos(std::clamp(
           face_normal_.row(sides[0].triangle).dot(face_normal_.row(sides[1].triangle)), -1.0, 1.0));
       const bool convex = edge.inward[0].dot(row(face_normal_, sides[1].triangle)) < 0;
-      if (turns < flat || !convex) continue;
+      const double apart = std::min(across(sides[0]).norm(), across(sides[1]).norm());
+      if (turns < std::min(flat, apart / flattest) || !convex) continue;
     }
     sharp[a] = sharp[b] = 1;
     for (int i = 0; i < 2; ++i) {

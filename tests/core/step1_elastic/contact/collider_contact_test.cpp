@@ -101,6 +101,27 @@ TEST(ColliderContactTest, AnEdgeFeelsEveryPieceOfARidgeItCrosses) {
   EXPECT_NEAR(energy_of_one(roof, y), expected, 1e-9 * expected);
 }
 
+TEST(ColliderContactTest, AnEdgeFeelsASurfaceThatIsSoFineThatEachOfItsEdgesIsNearlyFlat) {
+  // a trough turned over, of a radius of 50 mm, in strips of 0.2 mm, below the middle of an edge
+  constexpr int strips = 100;
+  constexpr double step = 2e-4, radius = 0.05, height = 1e-4;
+  ColliderMesh trough{"trough", Points3(2 * (strips + 1), 3), Triangles(2 * strips, 3), {}};
+  for (int k = 0; k <= strips; ++k)
+    for (int end = 0; end < 2; ++end) {
+      const double x = step * (k - strips / 2);
+      trough.x.row(2 * k + end) << x, 0.02 * (end - 0.5), -x * x / (2 * radius);
+    }
+  for (int k = 0; k < strips; ++k) {
+    trough.triangles.row(2 * k) << 2 * k, 2 * k + 2, 2 * k + 3;
+    trough.triangles.row(2 * k + 1) << 2 * k, 2 * k + 3, 2 * k + 1;
+  }
+  Points3 y(3, 3);
+  y << -0.02, 0, height, 0.02, 0, height, 0, 0.2, 0.05;
+  double expected = 0;  // of the strips' edges
+  for (int k = 0; k <= strips; ++k) expected += collider_barrier(height - trough.x(2 * k, 2)).value;
+  EXPECT_NEAR(energy_of_one(trough, y), expected, 1e-9 * expected);
+}
+
 /// A sheet of a few triangles near a box, rumpled so that faces, edges and corners of both are
 /// within dhat.
 struct Near {
