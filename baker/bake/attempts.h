@@ -99,7 +99,8 @@ class Attempts {
   std::vector<Bends> bends_;  // of its sheets
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
-  // whether a rehearsal has put a sheet on a finer first mesh: it knows those beyond it, too
+  // whether a sheet begins on a finer mesh than asked for, by a rehearsal, which knows those beyond
+  // it, too, or as a flag
   bool begins_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
   bool moved_ = false;  // whether a handle has (have_moved)

@@ -97,7 +97,7 @@ Json sheet_json(const SceneSheet& sheet, const Scene& scene) {
   return j;
 }
 
-/// plan  of a bake with nothing else on its command line
+/// plan  of a bake of the scene
 Json scene_json(const Scene& scene, const BakePlan& plan) {
   Json sheets = Json::array(), impossible = Json::array();
   for (const SceneSheet& sheet : scene.sheets) sheets.push_back(sheet_json(sheet, scene));

@@ -3,7 +3,6 @@
 #include "core/geometry/rigid_motion.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace paperbake {
 namespace {
@@ -12,16 +11,6 @@ std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   std::vector<ColliderMesh> meshes;
   for (const Collider& collider : colliders) meshes.push_back(collider.mesh());
   return meshes;
-}
-
-/// The motion that takes the points from `before` to `after`, each to 0.1 um, a twentieth of what
-/// depths are exact to; none if there is none.
-std::optional<RigidMotion> rigid_motion(const Points3& before, const Points3& after) {
-  constexpr double exact_to = depth_exact_to / 20;
-  const RigidMotion motion = nearest_rigid_motion(before, after);
-  const Points3 off = moved(motion, before) - after;
-  if (!(off.rowwise().norm().maxCoeff() <= exact_to)) return {};
-  return motion;
 }
 
 }  // namespace
@@ -39,7 +28,7 @@ Penetration JudgedColliders::deepest_in(std::size_t collider, int row, const Poi
   if (mesh.frames.empty()) return depths_[collider].deepest(x, triangles);
   const int last = static_cast<int>(mesh.frames.size()) - 1;
   const Points3& now = mesh.frames[std::clamp(row, 0, last)];
-  if (const auto back = rigid_motion(now, mesh.x))
+  if (const auto back = rigid_motion_between(now, mesh.x, depth_exact_to / 20))
     return depths_[collider].deepest(moved(*back, x), triangles);
   ColliderMesh deformed = mesh;
   deformed.x = now;

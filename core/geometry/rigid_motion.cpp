@@ -43,6 +43,14 @@ RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) 
   return best_aligned(covariance, from, to);
 }
 
+std::optional<RigidMotion> rigid_motion_between(const Points3& points, const Points3& targets,
+                                                double slack) {
+  const RigidMotion motion = nearest_rigid_motion(points, targets);
+  if (!((moved(motion, points) - targets).rowwise().norm().maxCoeff() <= slack))
+    return std::nullopt;
+  return motion;
+}
+
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
                                  const Eigen::VectorXd& weights) {
   const double all = weights.sum();

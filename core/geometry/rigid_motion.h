@@ -2,6 +2,7 @@
 
 #include "core/model/sheet.h"
 
+#include <optional>
 #include <vector>
 
 namespace paperbake {
@@ -30,7 +31,11 @@ Points3 moved(const RigidMotion&, const Points3&);
 /// source           [Kabsch 1976]
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets);
 
-/// The same, each of the n points with its weight, which is not negative.
+/// The same if it takes each point to within `slack` [m] of its target; none: it does not.
+std::optional<RigidMotion> rigid_motion_between(const Points3& points, const Points3& targets,
+                                                double slack);
+
+/// The nearest one, each of the n points with its weight, which is not negative.
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
                                  const Eigen::VectorXd& weights);
 

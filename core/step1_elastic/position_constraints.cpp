@@ -44,9 +44,7 @@ std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConst
   }
   const SymmetricEigen<3> axes = principal_axes(from);
   if (!(axes.values[1] > min_width * min_width * axes.values[2])) return std::nullopt;
-  const RigidMotion motion = nearest_rigid_motion(from, to);
-  if ((moved(motion, from) - to).rowwise().norm().maxCoeff() > slack) return std::nullopt;
-  return motion;
+  return rigid_motion_between(from, to, slack);
 }
 
 void archive(Serializer& a, PositionConstraint& c) { a(c.vertex, c.target, c.stiffness, c.grip); }

@@ -261,6 +261,7 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
         visit(ContactPoint{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
+  if (feature.near.empty()) return;
   const int behind = corners_behind(feature, side);
   const bool all_in_front = behind == 0;
   const NearTest test(collider, feature, y);

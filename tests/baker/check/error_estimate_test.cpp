@@ -40,6 +40,19 @@ TEST_F(ErrorEstimateTest, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
   }
 }
 
+TEST_F(ErrorEstimateTest, OfAFlatSheetNoShareOfItsEnergyIsTold) {
+  ASSERT_EQ(run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--frames", "1-1", "--method",
+                 "fem", "--triangles", "100", "--formats", "abc,cert", "--progress", "none"})
+                .code,
+            0);
+  const Ended judged = run({"verify", output(), "--estimate", "--json"});
+  ASSERT_EQ(judged.code, 0) << judged.err;
+  const auto all = nlohmann::json::parse(judged.out);
+  EXPECT_TRUE(all.at("estimates").at(0).at("energy_loss_pct").is_null());
+  EXPECT_EQ(all.at("estimates").at(0).at("uncertain"), "");
+  EXPECT_EQ(run({"verify", output(), "--estimate"}).out.find("energy"), std::string::npos);
+}
+
 TEST_F(ErrorEstimateTest, AFolderWithoutACacheCannotBeEstimated) {
   ASSERT_EQ(bake({"--formats", "cert"}).code, 0);
   EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "no cache"));

@@ -87,6 +87,20 @@ TEST(PlanTest, FramesBeforeTheSceneAreSkippedAndNoneBehindTheRangeIsBaked) {
   }
 }
 
+TEST(PlanTest, ARangeThatBeginsBehindTheShotIsTold) {
+  const auto told = [](const FrameSpan& asked) {
+    BakeSettings settings;
+    settings.scene = PAPERBAKE_SAMPLES "/S1_push.glb";
+    settings.frames = asked;
+    const std::vector<std::string> warnings = plan_bake(settings).warnings;
+    return std::count_if(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.find("after the end of the shot: its last frame is 60") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told({61, 70, 1}), 1);
+  EXPECT_EQ(told({60, 70, 1}), 0);
+}
+
 TEST(PlanTest, GivesTheSameCrumpleEveryTimeItIsSimulated) {
   const BakePlan plan = plan_of("S4_crumple.glb", "hybrid", 32);
   const std::vector<Seen> once = frames_of(plan);
