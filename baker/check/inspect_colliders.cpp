@@ -1,31 +1,15 @@
 #include "baker/check/inspect_colliders.h"
 
+#include "core/geometry/collider_depth.h"
 #include "core/geometry/collider_facing.h"
 #include "core/geometry/sheet_distance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
-#include <utility>
 
 namespace paperbake {
 namespace {
-
-/// Points spread evenly over the triangles of a sheet, its vertices among them. [m]
-std::vector<Vector3d> samples_of(const Sheet& sheet) {
-  constexpr double about = 1000;
-  const int parts = std::max(
-      1, static_cast<int>(std::sqrt(2 * about / std::max<double>(1, sheet.triangles.rows()))));
-  std::vector<Vector3d> points;
-  for (Eigen::Index t = 0; t < sheet.triangles.rows(); ++t) {
-    const auto corner = [&](int k) { return Vector3d(sheet.x.row(sheet.triangles(t, k))); };
-    for (int i = 0; i <= parts; ++i)
-      for (int j = 0; i + j <= parts; ++j)
-        points.push_back(corner(0) + (corner(1) - corner(0)) * i / parts +
-                         (corner(2) - corner(0)) * j / parts);
-  }
-  return points;
-}
 
 /// What the collider does in the shot.
 const char* motion_of(const ColliderMesh& mesh) {
@@ -42,26 +26,26 @@ const char* motion_of(const ColliderMesh& mesh) {
   return "moves";
 }
 
-InspectedCollider::Beside beside(const ColliderMesh& mesh, const SceneSheet& sheet) {
+/// The least distance of a sheet from a mesh. [m]
+double distance_from(const ColliderMesh& mesh, const Sheet& sheet) {
   constexpr double anywhere = 1e6;  // [m]
+  const Collider collider(mesh);
+  double of_vertices = anywhere;
+  for (const auto& x : sheet.x.rowwise())
+    of_vertices = std::min(of_vertices, std::abs(collider.nearest(x, anywhere, 1).distance));
+  Sheet surface;
+  surface.x = mesh.x;
+  surface.triangles = mesh.triangles;
+  return distance_between(sheet, surface, of_vertices);
+}
+
+InspectedCollider::Beside beside(const ColliderMesh& mesh, const SceneSheet& sheet) {
   std::vector<ColliderMesh> facing{mesh};
   face_the_sheet(facing, sheet.start.x, Points3(0, 3));
-  const Collider collider(facing.front());
-  InspectedCollider::Beside found{sheet.name,
-                                  facing.front().paper_side == ColliderMesh::PaperSide::inside,
-                                  std::numeric_limits<double>::infinity()};
-  for (const Vector3d& p : samples_of(sheet.start)) {
-    const double distance = collider.nearest(p, anywhere, 1).distance;
-    // the front of an open mesh turns to the sheet
-    found.distance = std::min(found.distance, collider.closed() ? distance : std::abs(distance));
-  }
-  if (found.distance > 0) {  // between the points it may be nearer
-    Sheet surface;
-    surface.x = mesh.x;
-    surface.triangles = mesh.triangles;
-    found.distance = distance_between(sheet.start, surface, found.distance);
-  }
-  return found;
+  const double depth =
+      ColliderDepth(facing.front()).deepest(sheet.start.x, sheet.start.triangles).depth;
+  return {sheet.name, facing.front().paper_side == ColliderMesh::PaperSide::inside,
+          depth > 0 ? -depth : distance_from(mesh, sheet.start)};
 }
 
 }  // namespace

@@ -31,8 +31,12 @@ int run_presets(const PresetsArguments& parsed) {
   }
   Json all = Json::array();
   std::vector<std::string> grades = name ? std::vector<std::string>{*name} : preset_names();
+  const std::vector<std::string> own_grades = user_preset_names();
+  const auto is_own = [&](const std::string& grade) {
+    return std::find(own_grades.begin(), own_grades.end(), grade) != own_grades.end();
+  };
   if (!name)  // those of the user stand for those built in of the same name
-    for (const std::string& own : user_preset_names())
+    for (const std::string& own : own_grades)
       if (std::find(grades.begin(), grades.end(), own) == grades.end()) grades.push_back(own);
   for (const std::string& grade : grades) {
     const Preset preset = read_preset(grade);
@@ -44,7 +48,7 @@ int run_presets(const PresetsArguments& parsed) {
     if (!json)
       fmt::print("{:<12} {:>4g} g/m2  {:>4g} um  D {:<8g} N m  {}\n", grade,
                  1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness,
-                 preset.paper.bending_stiffness, preset.file);
+                 preset.paper.bending_stiffness, is_own(grade) ? preset.file : "built in");
   }
   if (json) fmt::print("{}\n", json_lines(name ? all.front() : all));
   return 0;

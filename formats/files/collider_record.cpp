@@ -1,13 +1,44 @@
 #include "formats/files/collider_record.h"
 
+#include "core/geometry/rigid_motion.h"
 #include "core/model/error.h"
 #include "formats/files/json.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace paperbake {
 namespace {
+
+constexpr double motion_exact_to = 1e-7;  // [m], more than scenes are rounded to
+
+Json json_of(const RigidMotion& motion) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = motion.turn;
+  return {{"turn", std::vector<double>(turn.data(), turn.data() + 9)},
+          {"shift", std::vector<double>(motion.shift.data(), motion.shift.data() + 3)}};
+}
+
+RigidMotion motion_of(const Json& json) {
+  const auto turn = json.at("turn").get<std::array<double, 9>>();
+  const auto shift = json.at("shift").get<std::array<double, 3>>();
+  return {Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn.data()),
+          Vector3d(shift[0], shift[1], shift[2])};
+}
+
+/// The shape of a mesh in one of its frames.
+Json frame_json(const ColliderMesh& mesh, const Points3& x) {
+  if (const auto motion = rigid_motion_between(mesh.x, x, motion_exact_to)) return json_of(*motion);
+  return std::vector<double>(x.data(), x.data() + x.size());
+}
+
+Points3 frame_of(const ColliderMesh& mesh, const Json& json) {
+  if (json.is_object()) return moved(motion_of(json), mesh.x);
+  const std::vector<double> numbers = json.get<std::vector<double>>();
+  if (static_cast<long>(numbers.size()) != mesh.x.size())
+    throw Error(ErrorCode::scene, "colliders.json", "A frame does not have all vertices.");
+  return Eigen::Map<const Points3>(numbers.data(), mesh.x.rows(), 3);
+}
 
 Json json_of(const ColliderMesh& mesh) {
   Json vertices = Json::array(), triangles = Json::array(), frames = Json::array();
@@ -15,8 +46,7 @@ Json json_of(const ColliderMesh& mesh) {
     vertices.push_back({mesh.x(v, 0), mesh.x(v, 1), mesh.x(v, 2)});
   for (int t = 0; t < mesh.triangles.rows(); ++t)
     triangles.push_back({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
-  for (const Points3& x : mesh.frames)
-    frames.push_back(std::vector<double>(x.data(), x.data() + x.size()));
+  for (const Points3& x : mesh.frames) frames.push_back(frame_json(mesh, x));
   return {{"name", mesh.name},
           {"vertices", std::move(vertices)},
           {"triangles", std::move(triangles)},
@@ -37,12 +67,7 @@ ColliderMesh mesh_of(const Json& json) {
   mesh.name = json.at("name");
   mesh.x = matrix_of<Points3>(json.at("vertices"));
   mesh.triangles = matrix_of<Triangles>(json.at("triangles"));
-  for (const Json& frame : json.at("frames")) {
-    const std::vector<double> numbers = frame.get<std::vector<double>>();
-    if (static_cast<long>(numbers.size()) != mesh.x.size())
-      throw Error(ErrorCode::scene, "colliders.json", "A frame does not have all vertices.");
-    mesh.frames.own().push_back(Eigen::Map<const Points3>(numbers.data(), mesh.x.rows(), 3));
-  }
+  for (const Json& frame : json.at("frames")) mesh.frames.own().push_back(frame_of(mesh, frame));
   const bool exist = mesh.triangles.size() == 0 ||
                      (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.x.rows());
   if (!exist || !mesh.x.allFinite())

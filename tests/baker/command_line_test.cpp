@@ -23,9 +23,9 @@ using test::read;
 using test::samples;
 using test::write;
 
-TEST_F(CommandLineTest, WithoutACommandItEndsWithTwo) {
-  EXPECT_TRUE(is_error(run({}), 2, "command line", "subcommand"));
-  EXPECT_TRUE(is_error(run({"bake"}), 2, "command line", "SCENE"));
+TEST_F(CommandLineTest, WhatIsMissingIsNamedWithItsMeaning) {
+  EXPECT_TRUE(is_error(run({}), 2, "command line", "names no command"));
+  EXPECT_TRUE(is_error(run({"bake"}), 2, "command line", "bake needs SCENE: An .fbx"));
   EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb"}), 2, "command line", "--output"));
 }
 

@@ -20,13 +20,13 @@ using test::Words;
 
 class JudgedCache : public test::CommandLine {
  protected:
+  static std::string file_of(const std::string& scene) {
+    return std::string(PAPERBAKE_DATA) + "/violent/" + scene + ".glb";
+  }
   Ended bake_violent(const std::string& scene, const Words& more = {},
                      const char* formats = "abc,cert") const {
-    Words words{"bake",       std::string(PAPERBAKE_DATA) + "/violent/" + scene + ".glb",
-                "-o",         output(),
-                "--quality",  "draft",
-                "--formats",  formats,
-                "--progress", "plain"};
+    Words words{"bake",  file_of(scene), "-o",    output(),     "--quality",
+                "draft", "--formats",    formats, "--progress", "plain"};
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   }
@@ -85,6 +85,8 @@ TEST_F(JudgedCache, ASheetThatBeginsInAColliderIsToldBeforeTheBakeAndRefusedBySt
       "The sheet \"paper\" begins 25.00 mm deep in the collider \"collider.in\".";
   const Ended told = bake_violent("starts_inside");
   EXPECT_NE(told.err.find(sentence), std::string::npos) << told.err;
+  EXPECT_NE(run({"inspect", file_of("starts_inside")}).out.find("reaches 25.00 mm into it"),
+            std::string::npos);
   const Ended refused = bake_violent("starts_inside", {"--strict"});
   EXPECT_EQ(refused.code, 3) << refused.err;
   EXPECT_NE(refused.err.find(sentence), std::string::npos) << refused.err;

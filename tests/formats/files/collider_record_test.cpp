@@ -1,5 +1,6 @@
 #include "formats/files/collider_record.h"
 
+#include "core/geometry/rigid_motion.h"
 #include "core/model/error.h"
 
 #include <gtest/gtest.h>
@@ -40,6 +41,30 @@ TEST(ColliderRecord, ReadsBackToTheLastBit) {
     }
   }
   EXPECT_NE(read.of_sheet.at("above")[1].triangles, read.of_sheet.at("below")[1].triangles);
+}
+
+TEST(ColliderRecord, FramesOfWhatMovesAsAWholeAreToldByTheirMotion) {
+  ColliderMesh cone{"cone", Points3(4, 3), Triangles(2, 3), {}};
+  cone.x << 0, 0, 0.3, 0.2, 0, 0, 0, 0.1, 0, -0.1, -0.1, 0;
+  cone.triangles << 0, 1, 2, 0, 2, 3;
+  const RigidMotion motion{
+      Eigen::AngleAxisd(2.5, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix(),
+      Vector3d(3, -1, 0.7)};
+  const Points3 mirrored = cone.x * Vector3d(1, 1, -1).asDiagonal();
+  cone.frames.own() = {cone.x, moved(motion, cone.x), mirrored};
+  ColliderRecord record;
+  record.of_sheet["sheet"] = {cone};
+  const std::string text = collider_json(record);
+  const ColliderMesh read = parse_collider_json(text).of_sheet.at("sheet")[0];
+  ASSERT_EQ(read.frames.size(), 3u);
+  for (std::size_t f = 0; f < 3; ++f)
+    EXPECT_LT((read.frames[f] - cone.frames[f]).cwiseAbs().maxCoeff(), 1e-7) << f;
+  const auto count = [&](const std::string& word) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("\"turn\""), 2u) << text;  // a mirror image is no motion
 }
 
 TEST(ColliderRecord, WhatIsDamagedIsRefused) {
