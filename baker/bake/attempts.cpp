@@ -4,6 +4,7 @@
 #include "baker/bake/task_queue.h"
 #include "baker/job/input_hash.h"
 #include "baker/output/output_folder.h"
+#include "core/animation/swing.h"
 #include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
@@ -19,9 +20,6 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
-// [1] of the longer side: how far a mesh may put a smooth sheet off. It is what counts as visible
-// elsewhere, too (core/animation/swing.h).
-constexpr double visible = 0.005;
 constexpr double some_frames = 0.1;  // [1] of a shot: a mesh may put the sheet off for so long
 
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
@@ -147,9 +145,9 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   if (bends.may_be_sharp) return;
   ++bends.frames;
   const double sagitta = rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern);
-  bends.may_be_sharp = is_first && sagitta > visible;
+  bends.may_be_sharp = is_first && sagitta > visible_motion;
   if (!frame.statistics.converged) return;
-  bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible;
+  bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible_motion;
 }
 
 Attempt Attempts::describe_attempt(std::size_t number) const {

@@ -2,10 +2,12 @@
 
 #include "core/model/serializer.h"
 #include "formats/cache/content_hash.h"
+#include "formats/files/frame_statistics_table.h"
 
 #include <cstdint>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <type_traits>
 #include <unistd.h>
 
 namespace paperbake {
@@ -13,8 +15,10 @@ namespace paperbake {
 namespace fs = std::filesystem;
 
 static void archive(Serializer& a, RenderStatistics& s) {
-  a(s.triangles, s.stretch_mean, s.stretch_max, s.ms, s.crossings, s.crossings_with_others,
-    s.kept_apart);
+  visit_frame_statistics([&](const auto& field) {
+    if constexpr (std::is_same_v<typename std::decay_t<decltype(field)>::Struct, RenderStatistics>)
+      a(s.*field.member);
+  });
 }
 
 static void archive(Serializer& a, Judgement& j) {

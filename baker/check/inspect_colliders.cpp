@@ -2,6 +2,7 @@
 
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/collider_facing.h"
+#include "core/geometry/rigid_motion.h"
 #include "core/geometry/sheet_distance.h"
 
 #include <algorithm>
@@ -13,17 +14,12 @@ namespace {
 
 /// What the collider does in the shot.
 const char* motion_of(const ColliderMesh& mesh) {
-  constexpr double same_length = 1e-6;  // [m]
+  constexpr double same_place = 1e-6;  // [m]
   if (mesh.frames.empty()) return "stands still";
-  for (const Points3& x : mesh.frames)
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
-      for (int i = 0; i < 3; ++i) {
-        const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3);
-        if (std::abs((x.row(a) - x.row(b)).norm() - (mesh.x.row(a) - mesh.x.row(b)).norm()) >
-            same_length)
-          return "deforms";
-      }
-  return "moves";
+  const bool is_rigid = std::all_of(mesh.frames.begin(), mesh.frames.end(), [&](const Points3& x) {
+    return rigid_motion_between(mesh.x, x, same_place).has_value();
+  });
+  return is_rigid ? "moves" : "deforms";
 }
 
 /// The least distance of a sheet from a mesh. [m]

@@ -15,7 +15,10 @@ namespace paperbake {
 
 namespace fs = std::filesystem;
 
-static void archive(Serializer& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
+static void archive(Serializer& a, HandleFrame& h) {
+  a(h.state, h.keyed, h.at);
+  a.require(h.state >= HandleFrame::free && h.state <= HandleFrame::jammed);
+}
 
 static void archive(Serializer& a, FrameStatistics& s) {
   visit_frame_statistics([&](const auto& field) {

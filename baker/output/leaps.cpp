@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double visible = 0.02;       // [1] of the longer side
+constexpr double least_leap = 0.02;    // [1] of the longer side
 constexpr double sudden = 3;           // [1] times the motion in the frames beside it
 constexpr double slow_drive = 1e-4;    // [m] within a frame: as good as none
 constexpr double slow_motion = 0.001;  // [1] of the longer side within a frame: the same of a sheet
@@ -40,7 +40,7 @@ void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps)
   const double side = longer_side(shot.pattern);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const FrameStatistics& now = frames[k]->statistics;
-    if (now.moved <= std::max(visible * side, now.driven) || now.touching_others > 0 ||
+    if (now.moved <= std::max(least_leap * side, now.driven) || now.touching_others > 0 ||
         is_let_go(shot, frames[k - 1]->frame, frames[k]->frame))
       continue;
     double around = 0, drive = slow_drive;

@@ -17,15 +17,14 @@ Points3 targets_of(const PositionConstraints& constraints) {
   return targets;
 }
 
-/// The constraint of a vertex; null: it is not held.
+}  // namespace
+
 const PositionConstraint* constraint_of(int vertex, const PositionConstraints& held) {
   const auto found = std::find_if(held.begin(), held.end(), [vertex](const PositionConstraint& c) {
     return c.vertex == vertex;
   });
   return found == held.end() ? nullptr : &*found;
 }
-
-}  // namespace
 
 double max_displacement(const Sheet& sheet, const StepInput& now,
                         const PositionConstraints& held_before, const Points3& before) {
@@ -83,8 +82,7 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
 
 double rms_deformation(const Points3& before, const Points3& now) {
   if (before.rows() != now.rows() || now.rows() == 0) return 0;
-  const RigidMotion motion = nearest_rigid_motion(before, now);
-  const Points3 carried = (before * motion.turn.transpose()).rowwise() + motion.shift.transpose();
+  const Points3 carried = moved(nearest_rigid_motion(before, now), before);
   return std::sqrt((now - carried).rowwise().squaredNorm().mean());
 }
 

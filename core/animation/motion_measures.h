@@ -6,6 +6,9 @@
 
 namespace paperbake {
 
+/// The constraint of a vertex; null: it is not held.
+const PositionConstraint* constraint_of(int vertex, const PositionConstraints&);
+
 /// How far the sheet is from rest: the largest displacement that a handle or a collider makes in
 /// this frame, or a vertex made in the last step. Infinite when other vertices are held than
 /// before, or when the mesh has changed. [m]

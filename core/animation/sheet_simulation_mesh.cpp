@@ -48,15 +48,15 @@ bool SheetSimulation::change_mesh(const RemeshContext& context,
   now_.last_remesh.reset();
   const MeshChange change = method_->remesh(sheet, context);
   if (change == MeshChange::none) return false;
-  now_.last_remesh = {{std::move(unchanged), simulated_.elastic.state()},
-                      outcome_.at_minimum,
-                      change == MeshChange::moved};
+  SimulatedSheet::Snapshot before = simulated_.snapshot();
+  before.sheet = std::move(unchanged);
+  now_.last_remesh = {std::move(before), outcome_.at_minimum, change == MeshChange::moved};
   if (now_.last_remesh->vertices_moved)
     simulated_.carry_over(now_.last_remesh->before.sheet);
   else
     simulated_.update_solver();
-  if (const Sheet& before = now_.last_remesh->before.sheet;
-      !cuts_into_collider(before) && is_admissible(before, sheet, 0))
+  if (const Sheet& as_it_was = now_.last_remesh->before.sheet;
+      !cuts_into_collider(as_it_was) && is_admissible(as_it_was, sheet, 0))
     return true;
   undo_remesh();
   return false;
@@ -120,13 +120,11 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doubling
 bool SheetSimulation::go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start,
                                             const AdmissibilityCheck& is_admissible) {
   const SimulatedSheet::Snapshot end = simulated_.snapshot();
-  const std::vector<char> fixed = simulated_.fixed;
   const FrameStepResult step = now_.step;
   if (!refine_mesh(std::move(start), stretches_instead_of_bending() ? doublings_to_bend : 1))
     return false;
   if (leave_colliders(is_admissible)) return true;
   restore(SimulatedSheet::Snapshot(end));
-  simulated_.fixed = fixed;
   now_.step = step;
   return false;
 }
@@ -178,7 +176,6 @@ bool SheetSimulation::refine_where_jammed(const AdmissibilityCheck& is_admissibl
 
 bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible) {
   const SimulatedSheet::Snapshot kept = simulated_.snapshot();
-  const std::vector<char> fixed = simulated_.fixed;
   const FrameStepResult jammed = now_.step;
   const ColliderShapes now =
       between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
@@ -189,7 +186,6 @@ bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_adm
       simulated_.elastic.inside(sheet(), now) <= std::max(depth, give_way_depth))
     return true;
   restore(SimulatedSheet::Snapshot(kept));
-  simulated_.fixed = fixed;
   return false;
 }
 

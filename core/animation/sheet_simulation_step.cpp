@@ -2,6 +2,7 @@
 // where the step began, and where it is held when it cannot follow. The order is in island_step.h.
 
 #include "core/animation/island_step.h"
+#include "core/animation/motion_measures.h"
 #include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 
@@ -14,12 +15,9 @@ namespace paperbake {
 StepInput SheetSimulation::input_of_part(int part) const {
   StepInput input = now_.input;
   const double share = double(part) / now_.load_parts;
-  for (PositionConstraint& c : input.constraints) {
-    const auto before =
-        std::find_if(now_.came_from.begin(), now_.came_from.end(),
-                     [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
-    if (before != now_.came_from.end()) c.target = (1 - share) * before->target + share * c.target;
-  }
+  for (PositionConstraint& c : input.constraints)
+    if (const PositionConstraint* before = constraint_of(c.vertex, now_.came_from))
+      c.target = (1 - share) * before->target + share * c.target;
   input.time -= (1 - share) / options_.fps;
   input.colliders.from = between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
   input.colliders.to = between(now_.input.colliders.from, now_.input.colliders.to, share);

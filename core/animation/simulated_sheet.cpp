@@ -34,6 +34,9 @@ void SimulatedSheet::restore(Snapshot&& back) {
   sheet = std::move(back.sheet);
   update_solver();
   elastic.restore(back.state);
+  fixed = std::move(back.fixed);
+  has_bends = back.has_bends;
+  positions_before = std::move(back.positions_before);
 }
 
 void SimulatedSheet::update_solver() { elastic.set_mesh(sheet, disc_factors(sheet, shot)); }

@@ -23,8 +23,11 @@ struct SimulatedSheet {
   struct Snapshot {
     Sheet sheet;
     SolverState state;
+    std::vector<char> fixed;  // as below, and the two after it
+    bool has_bends;
+    Points3 positions_before;
   };
-  Snapshot snapshot() const { return {sheet, elastic.state()}; }
+  Snapshot snapshot() const { return {sheet, elastic.state(), fixed, has_bends, positions_before}; }
   void restore(Snapshot&&);
 
   /// Gives the solver the present mesh, which has the vertices of the mesh before it where they

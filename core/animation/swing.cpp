@@ -12,9 +12,7 @@ namespace paperbake {
 Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<int>& held,
                double freed, double area_density) {
   const RigidMotion motion = motion_with_held(from, equilibrium.x, held);
-  const Points3 move =
-      equilibrium.x -
-      ((from * motion.turn.transpose()).rowwise() + motion.shift.transpose()).eval();
+  const Points3 move = equilibrium.x - moved(motion, from);
   double action = 0;  // [kg m2]
   for (int t = 0; t < equilibrium.triangles.rows(); ++t) {
     const auto corners = equilibrium.triangles.row(t);
@@ -37,8 +35,7 @@ double critical_damping(const Swing& swing, double gravity) {
 }
 
 bool needs_inertia(const Swing& swing, double side) {
-  constexpr double visible = 0.005;  // [1] of the longer side
-  return swing.amplitude > visible * side && swing.rate > 0 && swing.rate < fastest_swing;
+  return swing.amplitude > visible_motion * side && swing.rate > 0 && swing.rate < fastest_swing;
 }
 
 double still(double side) { return 5e-4 * side; }

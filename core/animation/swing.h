@@ -43,9 +43,12 @@ inline constexpr double fastest_swing = 2 * 3.14159265358979323846 * 12;
 /// gravity  [m/s2]
 double critical_damping(const Swing&, double gravity);
 
+/// [1] of the longer side: motions of less are not seen, and other errors of a frame go as far.
+inline constexpr double visible_motion = 0.005;
+
 /// Whether a sheet must have inertia while it swings like this. It need not
 ///
-/// - if it moves by less than 0.5 % of its longer side, as far as other errors of a frame go; or
+/// - if it moves by less than visible_motion; or
 /// - if it swings more than 12 times a second. It is at equilibrium in less than 1/48 s then, 24
 ///   frames a second cannot show such a swing, and backward Euler in steps of 1/96 s would leave a
 ///   seventh of it after one period.

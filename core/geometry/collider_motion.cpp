@@ -123,7 +123,7 @@ Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, do
 
 double push_out(const ColliderShapes& colliders, const Points3& known, double clearance,
                 Points3& x) {
-  constexpr double to_and_fro = 3;  // [1] passes: a point pushed out may have entered elsewhere
+  constexpr int max_passes = 3;  // a point that is pushed out may have entered elsewhere
   double deepest_found = 0;
   for (const auto& shape : colliders) {
     const Collider& collider = *shape;
@@ -134,7 +134,7 @@ double push_out(const ColliderShapes& colliders, const Points3& known, double cl
         continue;
       const int side = collider.side_of(x.row(v).transpose(), known.row(v).transpose(),
                                         range + 3 * collider.depth());
-      for (int k = 0; k < to_and_fro; ++k) {
+      for (int k = 0; k < max_passes; ++k) {
         const SurfacePoint near = collider.nearest(x.row(v).transpose(), range + clearance, side);
         if (!(near.distance < clearance)) break;
         if (k == 0) deepest_found = std::max(deepest_found, -near.distance);

@@ -22,7 +22,7 @@ struct BentParts {
 /// A handle at one frame.
 struct HandleFrame {
   // soft: a spring pulls, and is meant to lag; jammed: the paper does not follow a hard handle
-  enum State { free, held, soft, jammed } state = free;
+  enum State : int { free, held, soft, jammed } state = free;
   // [m] where the handle is keyed to be; for a relative handle: grab position + motion since then
   Vector3d keyed{0, 0, 0};
   Vector3d at{0, 0, 0};  // [m] where its point of the sheet is

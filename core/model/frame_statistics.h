@@ -61,7 +61,7 @@ struct FrameStatistics {
   int on_colliders = 0;         // vertices, edges and triangles that colliders push
   double inside_colliders = 0;  // [m] how deep the deepest of them is, as the solver sees it
   // what became of the mesh that the method proposed
-  enum Remesh { none, accepted, rejected } remesh = none;
+  enum Remesh : int { none, accepted, rejected } remesh = none;
   double remesh_rise = 0;  // [1] rise of the potential with it, as a share of the stored energy
 
   std::optional<RenderStatistics> render;  // empty until the frame was rendered

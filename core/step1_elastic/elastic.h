@@ -97,12 +97,15 @@ struct ElasticReport {
 enum class Relaxation { coarse, softened_first, full };
 
 /// A descent along a second branch from an unstable shape, computed beside the main solution: first
-/// with a softened membrane, then with the true stiffness of the membrane.
+/// with a softened membrane, then with the true stiffness of the membrane. A sheet that is locked
+/// while it rests on a collider is lifted meanwhile: its weight is what keeps its middle down, so
+/// in the first phase it pulls the other way.
 struct BranchDescent {
   Points3 x;  // |V|x3 [m] where it has got to
   enum Phase { softened, true_stiffness, finished } phase = softened;
   int tries = 0;  // in this phase that did not converge
   bool converged = false;
+  bool is_lifted = false;
 };
 
 /// What the solver knows from earlier steps: everything that a step changes besides its sheet.

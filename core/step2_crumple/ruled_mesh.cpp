@@ -62,7 +62,6 @@ class Builder {
 
   void add_singular(const std::vector<Vector2d>& singular) {
     for (const Vector2d& p : singular) point_at(p, exact());
-    fixed_ = points_.size();
   }
 
   void add_rulings(const std::vector<Ruling>& rulings) {
@@ -249,7 +248,6 @@ class Builder {
   const RulingOptions& options_;
   std::vector<Vector2d> points_;
   double tolerance_;
-  std::size_t fixed_ = 0;
   std::vector<Side> sides_;
   std::vector<std::pair<int, int>> legs_, pieces_;
 };

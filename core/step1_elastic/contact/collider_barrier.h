@@ -1,10 +1,11 @@
 #pragma once
 
+#include "core/step1_elastic/contact/barrier.h"
 #include "core/step1_elastic/contact/collider_distances.h"
 
 namespace paperbake {
 
-/// Barrier energy of a collider and its derivatives with respect to the distance d from its front.
+/// Barrier energy of a collider, of the distance d from its front.
 ///
 ///   b(d) = -kappa (d - dhat)^2 ln(d/dhat);  0 from dhat on
 ///
@@ -15,11 +16,6 @@ namespace paperbake {
 /// 21 N at 2.5 um, where the polynomial begins; it then grows by 8 N a micrometre. So handles,
 /// which hold the paper with 3 N, give way before the paper is pressed into a collider.
 /// source  [Li 2020], as a function of the distance itself; the polynomial: this project
-struct ColliderBarrier {
-  double value;   // [J]
-  double slope;   // [N]
-  double second;  // [N/m]
-};
-ColliderBarrier collider_barrier(double distance);
+Barrier collider_barrier(double distance);
 
 }  // namespace paperbake

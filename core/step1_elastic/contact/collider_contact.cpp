@@ -394,7 +394,7 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
       }
   };
   for_each_touch(y, [&](std::size_t, const ContactPoint& touch) {
-    const ColliderBarrier b = collider_barrier(touch.distance);
+    const Barrier b = collider_barrier(touch.distance);
     const Vector3d n = touch.normal, force = b.slope * n;
     const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
     sum += b.value;

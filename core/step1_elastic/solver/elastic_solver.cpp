@@ -51,7 +51,9 @@ void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<in
 void Elastic::Impl::advance(BranchDescent& descent, const IncrementalPotential& W, int most,
                             ElasticReport& report) {
   const bool is_softened = descent.phase == BranchDescent::softened;
-  const IncrementalPotential of_softened{{W.sheets.front().with(*softened)}, nullptr};
+  SheetPotential of_soft_sheet = W.sheets.front().with(*softened);
+  if (descent.is_lifted) of_soft_sheet.forces.gravity *= -1;
+  const IncrementalPotential of_softened{{std::move(of_soft_sheet)}, nullptr};
   const MembraneStress stress =
       is_softened ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                   : softened->stress(descent.x, Points3::Zero(descent.x.rows(), 3));
@@ -90,7 +92,9 @@ BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSea
       step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
   if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
     return BranchSearchReason::slow;
-  if (step.converged && note_locking(sheet)) return BranchSearchReason::locked;
+  if (step.converged && note_locking(sheet))
+    return mode == BranchSearchMode::when_locked ? BranchSearchReason::locked_on_collider
+                                                 : BranchSearchReason::locked;
   return BranchSearchReason::none;
 }
 
@@ -101,9 +105,15 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
     return options.contact == SelfContact::automatic &&
            !contact->is_collision_free(search.before, to, search.hard);
   };
+  const auto begun = [&] {
+    BranchDescent descent{search.start};
+    descent.is_lifted = search.reason == BranchSearchReason::locked_on_collider;
+    return descent;
+  };
   std::optional<BranchDescent>& descent = state.second;
   const bool leaves = search.reason != BranchSearchReason::none,
-             is_locked = search.reason == BranchSearchReason::locked;
+             is_locked = search.reason == BranchSearchReason::locked ||
+                         search.reason == BranchSearchReason::locked_on_collider;
   const bool was_under_way = descent.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (descent) {
@@ -112,7 +122,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
   } else if (!leaves || (report.converged && passes(x)))
     return;  // a shape that collides with itself is not where the sheet will stay
   else
-    descent = BranchDescent{search.start};
+    descent = begun();
   // a locked sheet is at rest, and its descent must not keep it from being so
   const bool may_be_unfinished = is_interactive() && !is_locked;
   while (descent->phase != BranchDescent::finished) {
@@ -132,7 +142,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
     x = std::move(descent->x);
     descent.reset();
   } else if (was_under_way && leaves)
-    descent = BranchDescent{search.start};  // starts again from where the main solution has got to
+    descent = begun();  // starts again from where the main solution has got to
   else
     descent.reset();
 }
@@ -316,13 +326,14 @@ void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3
     return;
   }
   contact->begin(x, step.hard);
+  Points3 move = Points3::Zero(x.rows(), 3);
   for (int v = 0; v < x.rows(); ++v) {
-    Points3 move = Points3::Zero(x.rows(), 3);
+    if (to.row(v) == x.row(v)) continue;
     move.row(v) = to.row(v) - x.row(v);
-    if (move.row(v).isZero(0)) continue;
     contact->update_candidates(x, move);
     x += contact->collision_free_step(x, move) * move;
     contact->commit_step(x);
+    move.row(v).setZero();
   }
 }
 

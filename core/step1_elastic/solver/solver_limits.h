@@ -64,13 +64,13 @@ inline constexpr double growth_until_search = 2;
 inline constexpr double locked_gain = 1.0 / 3;
 
 // when_slow    after a step that takes many iterations, or of a sheet that is locked
-// when_locked  only in the second case
+// when_locked  only in the second case; for a sheet that rests on a collider
 // none         never
 enum class BranchSearchMode { when_slow, when_locked, none };
 // Where the minimum is sought from: the initial guess of least potential, or where that leads with
 // the softened membrane.
 enum class StepStart { guess, softened };
-enum class BranchSearchReason { slow, locked, none };
+enum class BranchSearchReason { slow, locked, locked_on_collider, none };
 
 // [1] stretch of an edge; paper would tear, or slip out of a hand, before it gets here: as at
 // give_way_depth (collider_distances.h), the handles give way

@@ -227,6 +227,16 @@ TEST(InspectedCollidersTest, TheDistanceIsThatOfTheNearestPointsAlsoBetweenVerti
   roof.triangles << 0, 1, 3, 1, 0, 2;
   scene.colliders = {roof};
   EXPECT_NEAR(inspected_colliders(scene)[0].nearest().distance, 0.002, 1e-9);
+  // all its edges keep their lengths when it folds along the one between its triangles
+  EXPECT_STREQ(inspected_colliders(scene)[0].motion, "stands still");
+  Points3 folded = roof.x;
+  const Vector3d ridge = (roof.x.row(1) - roof.x.row(0)).normalized();
+  const Eigen::AngleAxisd about(0.3, ridge);
+  folded.row(2) = roof.x.row(0) + (about * (roof.x.row(2) - roof.x.row(0)).transpose()).transpose();
+  scene.colliders[0].frames.own() = {roof.x, folded};
+  EXPECT_STREQ(inspected_colliders(scene)[0].motion, "deforms");
+  scene.colliders[0].frames.own() = {roof.x, roof.x * about.toRotationMatrix().transpose()};
+  EXPECT_STREQ(inspected_colliders(scene)[0].motion, "moves");
 }
 
 }  // namespace

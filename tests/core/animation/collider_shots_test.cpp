@@ -144,6 +144,38 @@ TEST(ColliderShotsTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   });
 }
 
+/// Its weight keeps the middle of the sheet down while its long borders rise between the hands, and
+/// it stores ten times as much as an arch.
+TEST(ColliderShotsTest, ASheetOnATableThatIsPushedAtItsCornersArchesAsAWhole) {
+  const int frames = 14;
+  const double length = 0.210, width = 0.297;
+  Shot shot = blank_shot(rectangle(length, width));
+  shot.start.x.col(2).array() += 6e-4;
+  const auto come = [](int f) { return 0.035 * (1 - std::cos(pi * f / 22)); };  // [m]
+  for (const double v : {0.0, width / 2, width})
+    shot.handles.push_back(bare_handle("stays", {0, v}, frames));
+  for (const double v : {0.0, width}) {
+    shot.handles.push_back(bare_handle("comes", {length, v}, frames));
+    for (int f = 0; f < frames; ++f) shot.handles.back().keyed(f, 0) -= come(f);
+  }
+  for (Handle& handle : shot.handles) handle.keyed.col(2).array() += 6e-4;
+  shot.colliders = all({ground()});
+  AnimateOptions options;
+  options.elastic.forces.gravity = g;
+  options.last_frame = frames;
+  const Paper& paper = shot.paper;
+  // the elastica, while it is flat: pi^2 D w/L delta/L
+  const double arch =
+      pi * pi * paper.bending_stiffness * width / length * come(frames - 1) / length;
+  double energy = 0;
+  animate(shot, fem(400), options, [&](const AnimatedFrame& frame) {
+    EXPECT_LT(frame.statistics.handle_error_max, 1e-4) << frame.frame;
+    energy = frame.statistics.energy;
+    return true;
+  });
+  EXPECT_LT(energy, 1.5 * arch);
+}
+
 /// A sheet of 10 cm held at its corners, at a height [m].
 Shot held_over(double height, int frames, double stiffness) {
   Shot shot = blank_shot(rectangle(0.1, 0.1));
