@@ -1,6 +1,7 @@
 #include "baker/bake/candidate.h"
 
 #include "baker/output/gates.h"
+#include "core/animation/handle_feasibility.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -15,10 +16,13 @@ namespace {
 
 /// By how much the paper between a handle and another one is too short: a handle may be off by so
 /// much whatever the attempt. [m]
-double unavoidable(const BakePlan& plan, std::size_t sheet, const std::string& handle) {
-  double most = 0;
+double unavoidable(const BakePlan& plan, const AnimatedFrame& frame, std::size_t handle) {
+  const Shot& shot = plan.shots[frame.sheet_index];
+  const std::string& name = shot.handles[handle].name;
+  double most =
+      overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle)).length;
   for (const UnreachablePairOfSheet& i : plan.impossible)
-    if (i.sheet == plan.shots[sheet].sheet_name && (i.pair.a == handle || i.pair.b == handle))
+    if (i.sheet == shot.sheet_name && (i.pair.a == name || i.pair.b == name))
       most = std::max(most, i.pair.apart - i.pair.allowed);
   return most;
 }
@@ -42,7 +46,7 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   if (is_pulled(frame.statistics, points, static_cast<int>(held))) return;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
-    const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);
+    const double off = handle.error() > 0 ? handle.error() - unavoidable(plan, frame, h) : 0;
     attempt.off_pct = std::max(attempt.off_pct, 100 * off / side);
     if (off <= attempt.off) continue;
     attempt.off = off;

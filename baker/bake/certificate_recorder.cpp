@@ -2,6 +2,7 @@
 
 #include "baker/job/input_hash.h"
 #include "baker/output/gates.h"
+#include "core/animation/handle_feasibility.h"
 #include "core/geometry/collider_motion.h"
 #include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"
@@ -77,8 +78,7 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     statistics.handle_error_max = std::max(statistics.handle_error_max, handle.error());
-    if (handle.state == HandleFrame::jammed)
-      r.jammed.push_back({shot.handles[h].name, 1e3 * handle.error()});
+    if (handle.state == HandleFrame::jammed) r.jammed.push_back(jam_of(frame, h));
   }
   measure_motion(frame, statistics);
   r.note = frame.note;
@@ -87,6 +87,16 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   if (colliders_ && !handed_on) judge_inside(sheet, r);
   r.input_hash = input_hash_;
   return r;
+}
+
+Jam CertificateRecorder::jam_of(const AnimatedFrame& frame, std::size_t handle) const {
+  const Shot& shot = bake_.plan.shots[sheet_];
+  Jam jam{shot.handles[handle].name, 1e3 * frame.handles[handle].error()};
+  if (is_out_of_reach(bake_.plan, shot.sheet_name, jam.handle, frame.frame)) return jam;
+  const Overshoot over =
+      overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle));
+  if (over.of_handle >= 0) jam.taut_to = shot.handles[over.of_handle].name;
+  return jam;
 }
 
 void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatistics& statistics) {
@@ -123,10 +133,13 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
   const auto& before = handles_before_;
   bool moves = false;
   const Shot& shot = bake_.plan.shots[sheet_];
+  const auto is_taut = [&](std::size_t h) {
+    return is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame) ||
+           (frame.handles[h].state == HandleFrame::jammed && !jam_of(frame, h).taut_to.empty());
+  };
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
-             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion &&
-             !is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame);
+             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion && !is_taut(h);
   // where the simulation itself says why the sheet stays behind, that is enough
   const bool silent = !frame.statistics.converged && frame.note.empty();
   record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, x_before_);

@@ -22,6 +22,7 @@ class CertificateRecorder {
 
  private:
   FrameRecord measure(const AnimatedFrame&);
+  Jam jam_of(const AnimatedFrame&, std::size_t handle) const;
   void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&);
   void judge_inside(const Sheet&, FrameRecord&) const;
   void count_intersections(const Sheet&, FrameRecord&);

@@ -224,6 +224,11 @@ struct Hindrance {
 Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
   const std::string touches = what_touches(f, plan);
   if (is_out_of_reach(f, plan)) return {"keyed beyond the reach of the paper", ""};
+  if (const Jam* jam = worst_jam(f); jam && !jam->taut_to.empty())
+    return {
+        fmt::format("keyed farther from \"{}\" than the paper between them is long", jam->taut_to),
+        "Move them less far from each other: a relative handle goes on from where it takes "
+        "hold of the paper."};
   if (!has_start_fault(plan, f.sheet) &&
       is_pulled(f.statistics, f.statistics.singular, held_handles(f, plan)))
     return {fmt::format("behind{}: its weight, its speed or the air may be too strong for the "

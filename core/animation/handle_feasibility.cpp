@@ -82,4 +82,21 @@ double HandleFeasibility::project(const std::vector<int>& handles, Points3& targ
   return n == 0 ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
 }
 
+Overshoot overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
+                    const std::vector<HandleFrame>& frame, int handle) {
+  Overshoot worst;
+  const Vector2d& from = handles[handle].pattern;
+  for (int other = 0; other < static_cast<int>(frame.size()); ++other) {
+    const HandleFrame& held = frame[other];
+    if (other == handle || (held.state != HandleFrame::held && held.state != HandleFrame::jammed))
+      continue;
+    const Vector2d& to = handles[other].pattern;
+    const double apart = (frame[handle].keyed - held.keyed).norm() - HandleFeasibility::unseen;
+    if (apart <= HandleFeasibility::reach((to - from).norm())) continue;  // in a straight line
+    const double over = apart - HandleFeasibility::reach(paper_distance(pattern, from, to));
+    if (over > worst.length) worst = {other, over};
+  }
+  return worst;
+}
+
 }  // namespace paperbake

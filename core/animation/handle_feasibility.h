@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/frame.h"
 #include "core/model/handles.h"
 #include "core/model/pattern.h"
 
@@ -37,6 +38,10 @@ class HandleFeasibility {
   /// [m] Handles that are too far apart by less than that are not told.
   static constexpr double unseen = 1e-5;
 
+  /// How far apart two handles may be. [m]
+  /// paper  [m] length of paper between them
+  static double reach(double paper) { return (1 + tolerance) * paper + rounding; }
+
   HandleFeasibility(const Pattern&, const std::vector<Handle>&);
 
   /// Pairs of absolute handles that are held at the same time and too far apart by more than the
@@ -54,9 +59,20 @@ class HandleFeasibility {
   double project(const std::vector<int>& handles, Points3& targets) const;
 
  private:
-  double limit(int i, int j) const { return (1 + tolerance) * paper_(i, j) + rounding; }
+  double limit(int i, int j) const { return reach(paper_(i, j)); }
 
   Eigen::MatrixXd paper_;  // [m] length of paper between handles i, j
 };
+
+/// A handle that is keyed farther from another one than the paper between them lets them be. Where a
+/// relative handle has its key is known only from the frame on in which it takes hold.
+struct Overshoot {
+  int of_handle = -1;  // the other one; -1: all are near enough
+  double length = 0;   // [m] by which they are too far apart
+};
+
+/// The largest overshoot of a handle in a frame, over all others that hold.
+Overshoot overshoot(const Pattern&, const std::vector<Handle>&, const std::vector<HandleFrame>&,
+                    int handle);
 
 }  // namespace paperbake

@@ -91,9 +91,11 @@ std::string frame_line(const FrameRecord& r) {
   line["inside_of"] = worst.inside_of.empty() ? Json() : Json(worst.inside_of);
   if (r.twin) line["twin_pct"] = finite(100 * *r.twin, "twin_pct", r.frame, r.sheet);
   line["jammed"] = Json::array();
-  for (const Jam& jam : r.jammed)
-    line["jammed"].push_back(
+  for (const Jam& jam : r.jammed) {
+    Json& entry = line["jammed"].emplace_back(
         Json::array({jam.handle, finite(jam.off_mm, "jammed", r.frame, r.sheet)}));
+    if (!jam.taut_to.empty()) entry.push_back(jam.taut_to);
+  }
   line["note"] = r.note;
   line["input_hash"] = r.input_hash;
   line["content_hash"] = r.content_hash;
@@ -129,7 +131,9 @@ std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
     r.worst.inside_of = *of;
   if (const auto twin = line.find("twin_pct"); twin != line.end() && twin->is_number())
     r.twin = 0.01 * twin->get<double>();
-  for (const Json& jam : line.at("jammed")) r.jammed.push_back({jam.at(0), jam.at(1)});
+  for (const Json& jam : line.at("jammed"))
+    r.jammed.push_back(
+        {jam.at(0), jam.at(1), jam.size() > 2 ? jam.at(2).get<std::string>() : std::string()});
   r.note = line.at("note");
   r.input_hash = line.at("input_hash");
   r.content_hash = line.at("content_hash");

@@ -14,6 +14,9 @@ namespace paperbake {
 struct Jam {
   std::string handle;
   double off_mm;  // [mm] distance from the target
+  // a handle that is keyed farther from it than the paper between them is long, though not before
+  // one of them took hold of the paper; empty: none is known
+  std::string taut_to = {};
 };
 
 /// Where a frame that was handed on is at its worst, for whoever mends it.
@@ -62,8 +65,8 @@ struct SingularRecord {
 /// One JSON object on one line, without a newline: frame, sheet, the numbers of
 /// visit_frame_statistics in their order and units (null where the frame was not rendered),
 /// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`,
-/// `twin_pct` where there is a twin, `jammed` as a list of [handle, mm], note and hashes. Bytes of
-/// a name that are not UTF-8 become U+FFFD.
+/// `twin_pct` where there is a twin, `jammed` as a list of [handle, mm] or [handle, mm, handle to
+/// which the paper is taut], note and hashes. Bytes of a name that are not UTF-8 become U+FFFD.
 std::string frame_line(const FrameRecord&);
 
 /// Reads such a line; a number that is missing in it keeps its default.

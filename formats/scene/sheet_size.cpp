@@ -115,7 +115,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                 options.unit_scale ? std::string("Bake with another --unit-scale.") : remedy());
   if (!stated) {
     if (!options.unit_scale && longer > most_usual_side)
-      warnings.push_back(fmt::format("The sheet \"{}\" is {}, larger than A0: is that meant? {}",
+      warnings.push_back(fmt::format("The sheet \"{}\" is {}, longer than A0: is that meant? {}",
                                      node.name, metres(size), remedy()));
     return;
   }

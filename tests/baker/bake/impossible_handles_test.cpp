@@ -63,6 +63,21 @@ TEST_F(ImpossibleHandlesTest, ATautSheetThatStandsStillIsNotSaidToBeUnsolved) {
   EXPECT_EQ(read(fs::path(output()) / "cert/frames.jsonl").find("not solved"), std::string::npos);
 }
 
+TEST_F(ImpossibleHandlesTest, ARelativeHandleThatPullsThePaperTautIsToldWithTheHandleThatHoldsIt) {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(1, 1, 0.1, 0.1));
+  scene.node("handle.still", {0, 0, 0});
+  scene.move(scene.node("handle.pulls", {0.1, 0, 0}, R"({"paper_mode":"relative"})"), {1, 13},
+             {{0.1, 0, 0}, {0.12, 0, 0}});
+  const Ended ended = run({"bake", scene.write("pulls.gltf").string(), "-o", output(),
+                           "--triangles", "50", "--map-size", "8"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NE(ended.err.find("\"handle.still\" is keyed farther from \"handle.pulls\" than"),
+            std::string::npos)
+      << ended.err;
+  EXPECT_EQ(ended.err.find("attempt"), std::string::npos) << "none can mend it: " << ended.err;
+}
+
 TEST_F(ImpossibleHandlesTest, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {
   const std::string scene = drawn_apart(1.1);
   const std::string place = scene + ", handles \"handle.still\" and \"handle.drawn\"";

@@ -41,7 +41,7 @@ FrameRecord full_record() {
   r.sheet = "paper_A";
   r.statistics = distinct_statistics();
   r.worst = {{0.125, 0.0625}, {0.1, 0.2}, "collider \"A\""};
-  r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
+  r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3, "handle_a"}};
   r.note = "a snap";
   r.input_hash = "00ff";
   r.content_hash = "ff00";
@@ -76,6 +76,8 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   ASSERT_EQ(read->jammed.size(), 2u);
   EXPECT_EQ(read->jammed[1].handle, "handle_b");
   EXPECT_EQ(read->jammed[1].off_mm, 2.0 / 3);
+  EXPECT_EQ(read->jammed[1].taut_to, "handle_a");
+  EXPECT_EQ(read->jammed[0].taut_to, "");
   EXPECT_LT((read->worst.stretch_at - r.worst.stretch_at).norm(), 1e-15);
   EXPECT_LT((read->worst.inside_at - r.worst.inside_at).norm(), 1e-15);
   EXPECT_EQ(read->worst.inside_of, "collider \"A\"");

@@ -298,12 +298,12 @@ TEST(SceneSheets, OnlyUnitsThatGiveAUsualSizeAreProposed) {
 
 TEST(SceneSheets, ASheetLargerThanAnyThatIsSoldIsWarnedOf) {
   EXPECT_FALSE(test::has_warning(read_scene(HeldSheet(grid(2, 2, 1.189, 0.841)).write("a0.gltf")),
-                                 "larger than A0"));
+                                 "longer than A0"));
   const auto path = HeldSheet(grid(2, 2, 4, 3)).write("large.gltf");
-  EXPECT_TRUE(test::has_warning(read_scene(path), "larger than A0: is that meant?"));
+  EXPECT_TRUE(test::has_warning(read_scene(path), "longer than A0: is that meant?"));
   SceneOptions options;
   options.unit_scale = 1;
-  EXPECT_FALSE(test::has_warning(read_scene(path, options), "larger than A0"));
+  EXPECT_FALSE(test::has_warning(read_scene(path, options), "longer than A0"));
   options.unit_scale = 100;
   try {
     read_scene(path, options);
