@@ -101,8 +101,9 @@ double tolerance_of_attempts();
 
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
 /// and whether its sheet is crumpled.
-/// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in which the
-/// sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand stronger.
+/// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in
+/// which the sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand
+/// stronger.
 void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
 
 }  // namespace paperbake

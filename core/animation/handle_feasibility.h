@@ -64,8 +64,8 @@ class HandleFeasibility {
   Eigen::MatrixXd paper_;  // [m] length of paper between handles i, j
 };
 
-/// A handle that is keyed farther from another one than the paper between them lets them be. Where a
-/// relative handle has its key is known only from the frame on in which it takes hold.
+/// A handle that is keyed farther from another one than the paper between them lets them be. Where
+/// a relative handle has its key is known only from the frame on in which it takes hold.
 struct Overshoot {
   int of_handle = -1;  // the other one; -1: all are near enough
   double length = 0;   // [m] by which they are too far apart
