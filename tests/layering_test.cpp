@@ -33,7 +33,7 @@ const std::vector<std::vector<std::string>> floors{
     {"core/linear_algebra"},
     {"core/geometry", "core/step3_developable"},
     {"core/step1_elastic", "core/step2_crumple", "core/render"},
-    {"core/methods"},
+    {"core/hands", "core/methods"},
     {"core/animation"},
     {"formats/files"},
     {"formats/config"},

@@ -1,7 +1,7 @@
 #include "baker/bake/candidate.h"
 
 #include "baker/output/gates.h"
-#include "core/animation/handle_feasibility.h"
+#include "core/hands/handle_feasibility.h"
 #include "core/model/error.h"
 
 #include <algorithm>

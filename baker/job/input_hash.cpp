@@ -1,8 +1,8 @@
 #include "baker/job/input_hash.h"
 
 #include "baker/job/version.h"
-#include "core/animation/folding_hands.h"
 #include "core/geometry/collider.h"
+#include "core/hands/folding_hands.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/bytes_of.h"
 

@@ -5,10 +5,10 @@
 #include "baker/job/input_hash.h"
 #include "baker/job/plan_warnings.h"
 #include "baker/job/used_values.h"
-#include "core/animation/expected_creases.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/geometry/collider_facing.h"
+#include "core/hands/expected_creases.h"
 #include "core/model/error.h"
 #include "formats/config/preset_file.h"
 

@@ -6,7 +6,7 @@
 #include "baker/job/method_choice.h"
 #include "baker/job/settings.h"
 #include "core/animation/animate.h"
-#include "core/animation/handle_feasibility.h"
+#include "core/hands/handle_feasibility.h"
 
 #include <functional>
 #include <optional>

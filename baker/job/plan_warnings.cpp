@@ -1,10 +1,10 @@
 #include "baker/job/plan_warnings.h"
 
 #include "baker/job/method_choice.h"
-#include "core/animation/obstructed_paths.h"
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/sheet_distance.h"
+#include "core/hands/obstructed_paths.h"
 #include "core/model/error.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "core/animation/flutter.h"
 
-#include "core/animation/held_points.h"
+#include "core/hands/held_points.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,13 +1,13 @@
 #include "core/animation/found_fold.h"
 
 #include "core/animation/fold_place.h"
-#include "core/animation/folding_hands.h"
 #include "core/animation/initial_sheet.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/hands/folding_hands.h"
 #include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
 

@@ -1,8 +1,8 @@
 #include "core/animation/inertia_need.h"
 
-#include "core/animation/held_points.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/collider.h"
+#include "core/hands/held_points.h"
 #include "core/model/air.h"
 #include "core/model/formatted.h"
 

@@ -1,10 +1,10 @@
 #include "core/animation/initial_sheet.h"
 
-#include "core/animation/closing_hands.h"
 #include "core/animation/imperfection.h"
 #include "core/animation/start_mesh.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/hands/closing_hands.h"
 
 namespace paperbake {
 

@@ -2,12 +2,12 @@
 
 #include "core/animation/branch_search.h"
 #include "core/animation/flutter.h"
-#include "core/animation/folding_hands.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/geometry/pattern_mesh.h"
+#include "core/hands/folding_hands.h"
 #include "core/model/formatted.h"
 #include "core/step2_crumple/crumple.h"
 

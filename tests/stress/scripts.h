@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/animation/animate.h"
-#include "core/animation/handle_feasibility.h"
+#include "core/hands/handle_feasibility.h"
 
 #include <cstdint>
 #include <string>

@@ -20,8 +20,8 @@
 //               before; this check leaves gravity out
 // worst ms      the most expensive frame: CPU time of one thread
 
-#include "core/animation/handle_feasibility.h"
 #include "core/geometry/measure.h"
+#include "core/hands/handle_feasibility.h"
 #include "core/methods/adaptive.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"

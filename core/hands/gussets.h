@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/animation/clamps.h"
-#include "core/animation/expected_creases.h"
+#include "core/hands/clamps.h"
+#include "core/hands/expected_creases.h"
 
 #include <optional>
 #include <vector>

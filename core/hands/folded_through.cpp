@@ -1,7 +1,7 @@
-#include "core/animation/folded_through.h"
+#include "core/hands/folded_through.h"
 
-#include "core/animation/fold_axis.h"
-#include "core/animation/folding_hands.h"
+#include "core/hands/fold_axis.h"
+#include "core/hands/folding_hands.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "core/animation/clamps.h"
+#include "core/hands/clamps.h"
 
 #include "core/linear_algebra/symmetric_eigen.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/animation/handle_feasibility.h"
+#include "core/hands/handle_feasibility.h"
 
 #include <vector>
 

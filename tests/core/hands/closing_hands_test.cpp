@@ -1,4 +1,4 @@
-#include "core/animation/closing_hands.h"
+#include "core/hands/closing_hands.h"
 
 #include "core/methods/hybrid.h"
 #include "tests/core/animation/together_shots.h"

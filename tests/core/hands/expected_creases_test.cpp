@@ -1,4 +1,4 @@
-#include "core/animation/expected_creases.h"
+#include "core/hands/expected_creases.h"
 
 #include "core/animation/animate.h"
 #include "core/geometry/measure.h"

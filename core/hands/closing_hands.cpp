@@ -1,4 +1,4 @@
-#include "core/animation/closing_hands.h"
+#include "core/hands/closing_hands.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/animation/clamps.h"
+#include "core/hands/clamps.h"
 #include "core/model/degrees.h"
 
 #include <optional>

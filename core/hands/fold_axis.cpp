@@ -1,4 +1,4 @@
-#include "core/animation/fold_axis.h"
+#include "core/hands/fold_axis.h"
 
 #include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/degrees.h"

@@ -1,4 +1,4 @@
-#include "core/animation/folding_hands.h"
+#include "core/hands/folding_hands.h"
 
 #include "tests/core/test_meshes.h"
 

@@ -1,7 +1,7 @@
-#include "core/animation/gussets.h"
+#include "core/hands/gussets.h"
 
-#include "core/animation/folding_hands.h"
 #include "core/geometry/hinges.h"
+#include "core/hands/folding_hands.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 

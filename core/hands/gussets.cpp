@@ -1,7 +1,7 @@
-#include "core/animation/gussets.h"
+#include "core/hands/gussets.h"
 
-#include "core/animation/fold_axis.h"
 #include "core/geometry/hinges.h"
+#include "core/hands/fold_axis.h"
 #include "core/model/degrees.h"
 #include "core/model/segment2.h"
 

@@ -1,4 +1,4 @@
-#include "core/animation/held_points.h"
+#include "core/hands/held_points.h"
 
 #include "core/geometry/point_location.h"
 

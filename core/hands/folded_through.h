@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/animation/expected_creases.h"
+#include "core/hands/expected_creases.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "core/animation/known_handles.h"
+#include "core/hands/known_handles.h"
 
 #include "core/geometry/point_location.h"
 

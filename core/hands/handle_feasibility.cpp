@@ -1,4 +1,4 @@
-#include "core/animation/handle_feasibility.h"
+#include "core/hands/handle_feasibility.h"
 
 #include <algorithm>
 #include <cmath>

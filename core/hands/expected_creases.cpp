@@ -1,9 +1,9 @@
-#include "core/animation/expected_creases.h"
+#include "core/hands/expected_creases.h"
 
-#include "core/animation/fold_axis.h"
-#include "core/animation/folded_through.h"
-#include "core/animation/gussets.h"
-#include "core/animation/known_handles.h"
+#include "core/hands/fold_axis.h"
+#include "core/hands/folded_through.h"
+#include "core/hands/gussets.h"
+#include "core/hands/known_handles.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>

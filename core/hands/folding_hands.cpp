@@ -1,8 +1,8 @@
-#include "core/animation/folding_hands.h"
+#include "core/hands/folding_hands.h"
 
-#include "core/animation/gussets.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/hands/gussets.h"
 #include "core/model/degrees.h"
 
 #include <algorithm>

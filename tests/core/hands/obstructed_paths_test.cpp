@@ -1,4 +1,4 @@
-#include "core/animation/obstructed_paths.h"
+#include "core/hands/obstructed_paths.h"
 
 #include "tests/core/test_shots.h"
 
