@@ -1,6 +1,7 @@
 #include "core/geometry/collider.h"
 
 #include "core/geometry/box_of.h"
+#include "core/geometry/connected_parts.h"
 #include "core/geometry/mesh_edges.h"
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace paperbake {
@@ -26,28 +26,11 @@ constexpr double coincident = 1e-9;        // [m] for closer points the normal o
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
-/// For each vertex, the lowest vertex of its part of the mesh: vertices that triangles connect.
-std::vector<int> parts_of(const Triangles& triangles, Eigen::Index vertices) {
-  std::vector<int> lowest(vertices);
-  std::iota(lowest.begin(), lowest.end(), 0);
-  const auto part_of = [&](int v) {
-    while (lowest[v] != v) v = lowest[v] = lowest[lowest[v]];
-    return v;
-  };
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 1; i < 3; ++i) {
-      const int a = part_of(triangles(t, 0)), b = part_of(triangles(t, i));
-      lowest[std::max(a, b)] = std::min(a, b);
-    }
-  for (int v = 0; v < vertices; ++v) lowest[v] = part_of(v);
-  return lowest;
-}
-
 /// Turns the triangles of a closed mesh so that each of its parts, which may have been modelled
 /// inside out, faces outwards; or inwards, where it holds the paper.
 void face_outwards(ColliderMesh& mesh) {
   Triangles& triangles = mesh.triangles;
-  const std::vector<int> part = parts_of(triangles, mesh.x.rows());
+  const std::vector<int> part = connected_parts(triangles, mesh.x.rows());
   std::vector<double> volume(mesh.x.rows(), 0);  // six times that of the part with this number
   for (int t = 0; t < triangles.rows(); ++t)
     volume[part[triangles(t, 0)]] += row(mesh.x, triangles(t, 0))

@@ -1,6 +1,7 @@
 #include "core/geometry/collider_depth.h"
 
 #include "core/geometry/box_tree.h"
+#include "core/geometry/connected_parts.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -14,7 +15,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -37,21 +37,6 @@ Point point(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
 Corners corners_of(const Points3& x, const Triangles& triangles, int t) {
   return {row(x, triangles(t, 0)), row(x, triangles(t, 1)), row(x, triangles(t, 2))};
-}
-
-/// Triangles that hang together by their vertices get the same number. |T|
-std::vector<int> part_numbers(const Triangles& triangles, long vertices) {
-  std::vector<int> root(vertices);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 1; i < 3; ++i) root[find(triangles(t, i))] = find(triangles(t, 0));
-  std::vector<int> numbers;
-  for (int t = 0; t < triangles.rows(); ++t) numbers.push_back(find(triangles(t, 0)));
-  return numbers;
 }
 
 /// The largest value over a triangle of the least of some linear functions.
@@ -474,12 +459,12 @@ Penetration ColliderDepth::Part::deepest(const Points3& x, const Triangles& tria
 }
 
 ColliderDepth::ColliderDepth(const ColliderMesh& mesh) {
-  const std::vector<int> number = part_numbers(mesh.triangles, mesh.x.rows());
+  const std::vector<int> part = connected_parts(mesh.triangles, mesh.x.rows());
   std::map<int, std::vector<std::array<int, 3>>> faces;
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
     const Corners c = corners_of(mesh.x, mesh.triangles, t);
     if ((c[1] - c[0]).cross(c[2] - c[0]).squaredNorm() > 0)
-      faces[number[t]].push_back(
+      faces[part[mesh.triangles(t, 0)]].push_back(
           {mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
   }
   for (const auto& [n, of_part] : faces)

@@ -44,7 +44,7 @@ std::array<Point, 3> corners(const Points3& x, const Triangles& triangles, int t
   return {at(triangles(t, 0)), at(triangles(t, 1)), at(triangles(t, 2))};
 }
 
-bool cross(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
+bool intersect(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
   for (int i = 0; i < 3; ++i)
     if (pierces(p[(i + 1) % 3], p[(i + 2) % 3], q) || pierces(q[(i + 1) % 3], q[(i + 2) % 3], p))
       return true;
@@ -67,7 +67,7 @@ struct Plane {
 };
 
 /// True when triangles s and t of a mesh intersect.
-bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
+bool intersect(const Points3& x, const Triangles& triangles, int s, int t) {
   int shared = 0, of_s = -1, of_t = -1;  // number of common corners; the last one in s and in t
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -78,7 +78,7 @@ bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
       }
   if (shared > 1) return false;
   const auto p = corners(x, triangles, s), q = corners(x, triangles, t);
-  if (shared == 0) return cross(p, q);
+  if (shared == 0) return intersect(p, q);
   // triangles with a common corner can intersect only by the edges opposite that corner
   return pierces(p[(of_s + 1) % 3], p[(of_s + 2) % 3], q) ||
          pierces(q[(of_t + 1) % 3], q[(of_t + 2) % 3], p);
@@ -289,7 +289,7 @@ struct CrossingCounter::Search {
       for (const int i : {2 * pair, 2 * pair + 1})
         if (const int t = leaf * in_leaf + i;
             t >= first && !apart[i] && !beside(s, t) && !beside(t, s))
-          count += cross(x, tree.triangles_, s, t);
+          count += intersect(x, tree.triangles_, s, t);
     }
   }
 
@@ -327,8 +327,8 @@ int crossings_between(const Sheet& one, const Sheet& other) {
   CGAL::box_intersection_d(
       ones.begin(), ones.end(), others.begin(), others.end(),
       [&](const Box& a, const Box& b) {
-        count += cross(corners(one.x, one.triangles, a.info()),
-                       corners(other.x, other.triangles, b.info()));
+        count += intersect(corners(one.x, one.triangles, a.info()),
+                           corners(other.x, other.triangles, b.info()));
       },
       scanned);
   return count;

@@ -1,5 +1,7 @@
 #include "core/geometry/normal_cone_tree.h"
 
+#include "core/geometry/connected_parts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -67,22 +69,11 @@ struct Bound {
 /// |T| For each triangle the number of its sheet, in the order of the sheets' first triangles.
 /// Triangles of one sheet are joined by common vertices.
 std::vector<int> sheet_of_triangles(const Triangles& triangles, Eigen::Index vertices) {
-  std::vector<int> joined(
-      vertices);  // to a vertex of the same sheet with a smaller number, or none
-  std::iota(joined.begin(), joined.end(), 0);
-  const auto first_of = [&](int v) {
-    while (joined[v] != v) v = joined[v] = joined[joined[v]];
-    return v;
-  };
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 1; i < 3; ++i) {
-      const auto [low, high] = std::minmax({first_of(triangles(t, 0)), first_of(triangles(t, i))});
-      joined[high] = low;
-    }
+  const std::vector<int> part = connected_parts(triangles, vertices);
   std::vector<int> number(vertices, -1), sheets;
   int count = 0;
   for (int t = 0; t < triangles.rows(); ++t) {
-    int& of_sheet = number[first_of(triangles(t, 0))];
+    int& of_sheet = number[part[triangles(t, 0)]];
     if (of_sheet < 0) of_sheet = count++;
     sheets.push_back(of_sheet);
   }
