@@ -175,10 +175,6 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
   // between simulated edges there are needles, which may turn over where no layers meet
   if (simulated_edges_ == SimulatedEdges::kept)
     return apart_->untangle_alternating(x, exact, lengths, is_held_).changed;
-  Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
-  for (std::size_t v = 0; v < places.size(); ++v)
-    off[places[v].triangle] = std::max(off[places[v].triangle], (x.row(v) - exact.row(v)).norm());
-  if (!may_meet_itself(sheet, off)) return false;
   // lengths that are wrong after this are restored, as far as the layers stay apart
   constexpr int max_turns = 6;
   Points3 mended = exact;
