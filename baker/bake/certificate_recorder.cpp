@@ -90,12 +90,14 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
 }
 
 Jam CertificateRecorder::jam_of(const AnimatedFrame& frame, std::size_t handle) const {
+  constexpr double most = 0.5;  // [1] of the distance that is explained: two handles may share it
   const Shot& shot = bake_.plan.shots[sheet_];
-  Jam jam{shot.handles[handle].name, 1e3 * frame.handles[handle].error()};
+  const double off = frame.handles[handle].error();
+  Jam jam{shot.handles[handle].name, 1e3 * off};
   if (is_out_of_reach(bake_.plan, shot.sheet_name, jam.handle, frame.frame)) return jam;
   const Overshoot over =
       overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle));
-  if (over.of_handle >= 0) jam.taut_to = shot.handles[over.of_handle].name;
+  if (over.length > most * off) jam.taut_to = shot.handles[over.of_handle].name;
   return jam;
 }
 
@@ -133,13 +135,12 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
   const auto& before = handles_before_;
   bool moves = false;
   const Shot& shot = bake_.plan.shots[sheet_];
-  const auto is_taut = [&](std::size_t h) {
-    return is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame) ||
-           (frame.handles[h].state == HandleFrame::jammed && !jam_of(frame, h).taut_to.empty());
-  };
+  const bool is_taut = std::any_of(record.jammed.begin(), record.jammed.end(),
+                                   [](const Jam& jam) { return !jam.taut_to.empty(); });
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
-             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion && !is_taut(h);
+             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion && !is_taut &&
+             !is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame);
   // where the simulation itself says why the sheet stays behind, that is enough
   const bool silent = !frame.statistics.converged && frame.note.empty();
   record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, x_before_);

@@ -164,7 +164,7 @@ struct CrossingCounter::Search {
   std::vector<LeafBoxes, Eigen::aligned_allocator<LeafBoxes>> leaves;
   std::vector<std::optional<Plane>> planes;
   std::vector<NodeBox> boxes;  // of the nodes
-  int count = 0;
+  std::vector<std::pair<int, int>> found;
 
   Search(const CrossingCounter& of, const Points3& at)
       : tree(of),
@@ -287,9 +287,9 @@ struct CrossingCounter::Search {
     for (int pair = 0; pair < in_leaf / 2; ++pair) {
       if (~two_lanes[pair] == 0) continue;
       for (const int i : {2 * pair, 2 * pair + 1})
-        if (const int t = leaf * in_leaf + i;
-            t >= first && !apart[i] && !beside(s, t) && !beside(t, s))
-          count += intersect(x, tree.triangles_, s, t);
+        if (const int t = leaf * in_leaf + i; t >= first && !apart[i] && !beside(s, t) &&
+                                              !beside(t, s) && intersect(x, tree.triangles_, s, t))
+          found.emplace_back(tree.order_[s], tree.order_[t]);
     }
   }
 
@@ -312,7 +312,13 @@ struct CrossingCounter::Search {
   }
 };
 
-int CrossingCounter::operator()(const Points3& x) const { return Search(*this, x).count; }
+int CrossingCounter::operator()(const Points3& x) const {
+  return static_cast<int>(Search(*this, x).found.size());
+}
+
+std::vector<std::pair<int, int>> CrossingCounter::pairs(const Points3& x) const {
+  return Search(*this, x).found;
+}
 
 int crossings(const Sheet& sheet) {
   // any places do to halve the mesh by; triangles without a sheet have no pattern

@@ -3,12 +3,13 @@
 #include "core/geometry/injective_patches.h"
 #include "core/model/sheet.h"
 
+#include <utility>
 #include <vector>
 
 namespace paperbake {
 
-/// Counts the pairs of triangles of a mesh that intersect, for one frame after the other. Touching
-/// in a shared vertex or edge does not count. The count is exact, and independent of the contact
+/// Finds the pairs of triangles of a mesh that intersect, for one frame after the other. Touching
+/// in a shared vertex or edge does not count. The result is exact, and independent of the contact
 /// code of the solver.
 ///
 /// A hierarchy of boxes is made once, by halving the mesh on its pattern again and again; a frame
@@ -17,8 +18,11 @@ namespace paperbake {
 class CrossingCounter {
  public:
   CrossingCounter(const Points2& pattern, const Triangles&);
+  /// Their number.
   /// x  |V|x3 [m]. May be called by several threads at the same time.
   int operator()(const Points3& x) const;
+  /// Their numbers, in an order that depends on the mesh alone.
+  std::vector<std::pair<int, int>> pairs(const Points3& x) const;
 
  private:
   struct Search;

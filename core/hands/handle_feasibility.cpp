@@ -92,7 +92,8 @@ Overshoot overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
       continue;
     const Vector2d& to = handles[other].pattern;
     const double apart = (frame[handle].keyed - held.keyed).norm() - HandleFeasibility::unseen;
-    if (apart <= HandleFeasibility::reach((to - from).norm())) continue;  // in a straight line
+    // the way on the paper is not shorter than a straight line
+    if (apart - HandleFeasibility::reach((to - from).norm()) <= worst.length) continue;
     const double over = apart - HandleFeasibility::reach(paper_distance(pattern, from, to));
     if (over > worst.length) worst = {other, over};
   }

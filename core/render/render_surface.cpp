@@ -189,7 +189,7 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
     limit_strain(x);
     outcome = (*apart_)(x, mended, flat_at, is_held_);
   }
-  if (!outcome.apart) apart_->untangle_alternating(x, exact, lengths, is_held_);
+  if (!outcome.apart()) apart_->untangle_alternating(x, exact, lengths, is_held_);
   return changed;
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -118,15 +119,9 @@ Untangler::Untangler(const Points2& pattern, const Triangles& triangles)
     : pattern_(pattern),
       triangles_(triangles),
       tree_(pattern, triangles),
+      crossings_(pattern, triangles),
       radius_(pattern.rows(), radius * mean_edge(pattern, triangles)) {
   find_neighbours();
-}
-
-std::vector<std::pair<int, int>> Untangler::intersections(const Points3& x) const {
-  std::vector<std::pair<int, int>> found;
-  for (const std::pair<int, int>& pair : tree_.near(x, x))
-    if (cross(x, triangles_, pair.first, pair.second)) found.push_back(pair);
-  return found;
 }
 
 Untangler::Untangler(const std::vector<const RenderMesh*>& meshes)
@@ -172,6 +167,24 @@ void Untangler::spread(int u, double blend, std::vector<char>& seen,
   for (const int v : reached) seen[v] = 0;
 }
 
+std::size_t Untangler::add_left(const Points3& x, std::vector<std::pair<int, int>>& pairs) const {
+  const std::vector<std::pair<int, int>> left = intersections(x);
+  if (left.empty()) return 0;
+  std::set<std::pair<int, int>> known;
+  for (const auto& [s, t] : pairs) known.emplace(std::min(s, t), std::max(s, t));
+  for (const auto& [s, t] : left)
+    if (known.emplace(std::min(s, t), std::max(s, t)).second) pairs.emplace_back(s, t);
+  return left.size();
+}
+
+bool Untangler::may_go_back(int s, int t, const std::vector<double>& blend) const {
+  bool may_rise = (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
+                  radius_[triangles_(s, 0)];
+  for (int i = 0; i < 3; ++i)
+    may_rise &= blend[triangles_(s, i)] < 1 && blend[triangles_(t, i)] < 1;
+  return may_rise;
+}
+
 struct Untangler::Push {
   Points3 sum;                 // |V|x3 [m]
   std::vector<double> weight;  // |V|
@@ -208,14 +221,17 @@ void Untangler::push(int s, int t, const Points3& x, const FlatAt& flat_at, Push
 Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_positions,
                                          const FlatAt& flat_at,
                                          const std::vector<char>& held) const {
-  const auto candidates = tree_.near(x, linear_positions);
-  if (candidates.empty()) return {false, true};
+  std::vector<std::pair<int, int>> candidates = tree_.near(x, linear_positions);
   const int vertices = static_cast<int>(x.rows());
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
   std::vector<double> blend(vertices, 0), weight(vertices, 0);
   // `moved` and `crossed` are those of the last round
   std::vector<char> seen(vertices, 0), moved(vertices, 1), crossed(candidates.size(), 0);
+  const auto has_any = [this](const std::vector<char>& of_vertices, int t) {
+    return of_vertices[triangles_(t, 0)] || of_vertices[triangles_(t, 1)] ||
+           of_vertices[triangles_(t, 2)];
+  };
   for (int round = 0;; ++round) {
     bool any = false;
     std::vector<int> raised;
@@ -223,19 +239,11 @@ Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_posit
     Push now{Points3::Zero(vertices, 3), std::vector<double>(vertices, 0)};
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const auto [s, t] = candidates[k];
-      const bool changed = moved[triangles_(s, 0)] || moved[triangles_(s, 1)] ||
-                           moved[triangles_(s, 2)] || moved[triangles_(t, 0)] ||
-                           moved[triangles_(t, 1)] || moved[triangles_(t, 2)];
-      if (!changed && !crossed[k]) continue;
+      if (!has_any(moved, s) && !has_any(moved, t) && !crossed[k]) continue;
       crossed[k] = cross(x, triangles_, s, t);
       if (!crossed[k]) continue;
       any = true;
-      bool may_rise =
-          !flat_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
-                          radius_[triangles_(s, 0)];
-      for (int i = 0; flat_at && i < 3; ++i)
-        may_rise &= blend[triangles_(s, i)] < 1 && blend[triangles_(t, i)] < 1;
-      if (!may_rise) {
+      if (flat_at && !may_go_back(s, t, blend)) {
         push(s, t, x, flat_at, now);
         push(t, s, x, flat_at, now);
         continue;
@@ -247,8 +255,13 @@ Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_posit
             raised.push_back(v);
           }
     }
-    if (!any) return {round > 0, true};
-    if (flat_at ? round == rounds : raised.empty()) return {round > 0, false};
+    if (!any) {
+      const std::size_t known = candidates.size(), left = add_left(x, candidates);
+      if (candidates.size() == known) return {round > 0, left};
+      crossed.resize(candidates.size(), 1);
+      continue;
+    }
+    if (flat_at ? round == rounds : raised.empty()) return {round > 0, intersections(x).size()};
     for (const int v : raised) {
       blend[v] = round < rounds ? std::min(1.0, std::max(blend[v], weight[v]) + more) : 1;
       spread(v, blend[v], seen, weight);
@@ -278,9 +291,9 @@ Untangler::Outcome Untangler::untangle_alternating(Points3& x, const Points3& li
     lengths.restore(now);
     const Outcome outcome = (*this)(now, linear_positions, {}, held);
     const double worst = lengths.worst(now);
-    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least)) {
+    if (outcome.left < best.left || (outcome.left == best.left && worst < least)) {
       least = worst;
-      best.apart = outcome.apart;
+      best.left = outcome.left;
       x = now;
     }
     if (!outcome.changed) break;

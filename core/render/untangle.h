@@ -1,9 +1,11 @@
 #pragma once
 
+#include "core/geometry/intersections.h"
 #include "core/geometry/normal_cone_tree.h"
 #include "core/model/sheet.h"
 #include "core/render/render_mesh.h"
 
+#include <cstddef>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -36,8 +38,9 @@ class Untangler {
   explicit Untangler(const std::vector<const RenderMesh*>&);
 
   struct Outcome {
-    bool changed;  // whether x was changed
-    bool apart;    // nothing passes through anything any more
+    bool changed;      // whether x was changed
+    std::size_t left;  // pairs of triangles that pass through each other still
+    bool apart() const { return left == 0; }
   };
   /// linear_positions  |V|x3 [m] f
   /// flat_at   [m] where a point of the pattern is on the flat triangles; empty: d is 0
@@ -48,8 +51,8 @@ class Untangler {
   Outcome operator()(Points3& x, const Points3& linear_positions, const FlatAt& flat_at,
                      const std::vector<char>& held) const;
 
-  /// The same without flat_at, alternating with a step that restores lengths. Of the rounds that
-  /// succeed the one with the best lengths is kept.
+  /// The same without flat_at, alternating with a step that restores lengths. Of the rounds with
+  /// the fewest pairs left, the one with the best lengths is kept.
   struct Lengths {
     std::function<void(Points3& x)> restore;
     std::function<double(const Points3& x)> worst;  // [1] largest length error of an edge
@@ -57,19 +60,26 @@ class Untangler {
   Outcome untangle_alternating(Points3& x, const Points3& linear_positions, const Lengths&,
                                const std::vector<char>& held) const;
 
-  /// Those of the pairs of triangles that the tree finds near each other that do pass through each
-  /// other.
-  std::vector<std::pair<int, int>> intersections(const Points3& x) const;
+  /// The pairs of triangles that pass through each other.
+  std::vector<std::pair<int, int>> intersections(const Points3& x) const {
+    return crossings_.pairs(x);
+  }
 
  private:
   struct Push;
   void push(int s, int t, const Points3& x, const FlatAt&, Push&) const;
+  /// Whether going back towards the flat triangles may part two triangles: not where they are
+  /// within R of each other, or have gone back all the way.
+  bool may_go_back(int s, int t, const std::vector<double>& blend) const;
+  /// Adds the pairs that pass through each other and are not there yet. returns  how many do
+  std::size_t add_left(const Points3& x, std::vector<std::pair<int, int>>& pairs) const;
   void spread(int u, double blend, std::vector<char>& seen, std::vector<double>& weight) const;
   void find_neighbours();
 
   Points2 pattern_;
   Triangles triangles_;
-  NormalConeTree tree_;
+  NormalConeTree tree_;              // what may meet on the way; misses a few pairs
+  CrossingCounter crossings_;        // finds these, too
   std::vector<double> radius_;       // [m] R of each vertex
   std::vector<int> start_, beside_;  // neighbours of each vertex
 };

@@ -19,11 +19,27 @@ Json json_of(const RigidMotion& motion) {
           {"shift", std::vector<double>(motion.shift.data(), motion.shift.data() + 3)}};
 }
 
+bool is_rotation(const Eigen::Matrix3d& turn) {
+  constexpr double rounding = 1e-9;
+  return (turn * turn.transpose() - Eigen::Matrix3d::Identity()).norm() < rounding &&
+         turn.determinant() > 0;
+}
+
 RigidMotion motion_of(const Json& json) {
   const auto turn = json.at("turn").get<std::array<double, 9>>();
   const auto shift = json.at("shift").get<std::array<double, 3>>();
-  return {Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn.data()),
-          Vector3d(shift[0], shift[1], shift[2])};
+  const RigidMotion motion{
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(turn.data()),
+      Vector3d(shift[0], shift[1], shift[2])};
+  if (json.at("turn").size() != 9 || json.at("shift").size() != 3 || !is_rotation(motion.turn))
+    throw Error(ErrorCode::scene, "colliders.json", "A frame is turned by what is no rotation.");
+  return motion;
+}
+
+/// Whether these are places, and not what is left of them in a damaged file.
+bool are_places(const Points3& x) {
+  constexpr double anywhere = 1e6;  // [m]
+  return x.allFinite() && (x.size() == 0 || x.cwiseAbs().maxCoeff() < anywhere);
 }
 
 /// The shape of a mesh in one of its frames.
@@ -68,10 +84,11 @@ ColliderMesh mesh_of(const Json& json) {
   mesh.x = matrix_of<Points3>(json.at("vertices"));
   mesh.triangles = matrix_of<Triangles>(json.at("triangles"));
   for (const Json& frame : json.at("frames")) mesh.frames.own().push_back(frame_of(mesh, frame));
+  if (!are_places(mesh.x) || !std::all_of(mesh.frames.begin(), mesh.frames.end(), are_places))
+    throw Error(ErrorCode::scene, "colliders.json", "A vertex is nowhere.");
   const bool exist = mesh.triangles.size() == 0 ||
                      (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.x.rows());
-  if (!exist || !mesh.x.allFinite())
-    throw Error(ErrorCode::scene, "colliders.json", "A collider has no such vertex.");
+  if (!exist) throw Error(ErrorCode::scene, "colliders.json", "A collider has no such vertex.");
   return mesh;
 }
 

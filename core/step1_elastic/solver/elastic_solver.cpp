@@ -284,10 +284,14 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     if (second != BranchSearchMode::none) {
       state.descending =
           second == BranchSearchMode::when_slow && newton.descended && !newton.converged;
-      if (!newton.aborted)
-        descend_second_branch(
-            W, {before, starts.front(), step.hard, reason_to_search(sheet, second, report)},
-            sheet.x, report);
+      if (!newton.aborted) {
+        const BranchSearchReason reason = reason_to_search(sheet, second, report);
+        descend_second_branch(W, {before, starts.front(), step.hard, reason}, sheet.x, report);
+        // where to lift it has led nowhere, its weight may help
+        if (reason == BranchSearchReason::locked_on_collider && report.energy_gain == 0)
+          descend_second_branch(W, {before, starts.front(), step.hard, BranchSearchReason::locked},
+                                sheet.x, report);
+      }
       report.snap_in_progress = state.descending || state.second;
     }
   }

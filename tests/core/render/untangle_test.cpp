@@ -98,7 +98,7 @@ TEST(UntangleTest, WithFacetsThatDoNotIntersectSuccessIsCertain) {
   const std::vector<char> held(apart.x.rows(), 0);
   const Untangler::Outcome outcome =
       Untangler(apart.pattern, apart.triangles)(apart.x, linear_positions.x, {}, held);
-  EXPECT_TRUE(outcome.changed && outcome.apart);
+  EXPECT_TRUE(outcome.changed && outcome.apart());
   EXPECT_EQ(crossings(apart), 0);
 }
 
@@ -115,7 +115,7 @@ TEST(UntangleTest, AlternatingRoundsGiveBetterLengthsThanOneRound) {
                                         {[&](Points3& x) { limit(x, held); },
                                          [&](const Points3& x) { return limit.worst(x); }},
                                         held)
-                  .apart);
+                  .apart());
   EXPECT_EQ(crossings(Sheet{linear_positions.pattern, turns, {}, linear_positions.triangles, {}}),
             0);
   EXPECT_LT(limit.worst(turns), limit.worst(once));
@@ -126,7 +126,7 @@ TEST(UntangleTest, ReportsThatIntersectingFacetsCannotBeSeparated) {
   const std::vector<char> held(curved.x.rows(), 0);
   const Points3 linear_positions = curved.x;
   EXPECT_FALSE(
-      Untangler(curved.pattern, curved.triangles)(curved.x, linear_positions, {}, held).apart);
+      Untangler(curved.pattern, curved.triangles)(curved.x, linear_positions, {}, held).apart());
 }
 
 TEST(UntangleTest, ARollMayMeetItselfIfItsEndsAreNearerThanTheSurfaceIsOff) {

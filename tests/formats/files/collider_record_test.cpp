@@ -77,5 +77,24 @@ TEST(ColliderRecord, WhatIsDamagedIsRefused) {
   EXPECT_THROW(parse_collider_json(wrong), Error);
 }
 
+TEST(ColliderRecord, AMotionThatIsNoneAndVerticesThatAreNowhereAreRefused) {
+  const auto with = [](const std::string& frame, const std::string& x = "0") {
+    return R"({"first_frame":1,"colliders":[{"name":"c","vertices":[[)" + x +
+           R"(,0,0],[1,0,0],[0,1,0]],"triangles":[[0,1,2]],"frames":[)" + frame +
+           R"(]}],"turned":{"paper":[]},"inside_of":{"paper":[]}})";
+  };
+  const std::string straight = R"({"turn":[1,0,0,0,1,0,0,0,1],"shift":[0,0,1]})";
+  EXPECT_EQ(parse_collider_json(with(straight)).of_sheet.at("paper")[0].frames[0](0, 2), 1);
+  for (const char* damaged :
+       {R"({"turn":[1e308,1e308,1e308,1e308,1e308,1e308,1e308,1e308,1e308],"shift":[0,0,0]})",
+        R"({"turn":[2,0,0,0,2,0,0,0,2],"shift":[0,0,0]})",
+        R"({"turn":[-1,0,0,0,1,0,0,0,1],"shift":[0,0,0]})",
+        R"({"turn":[1,0,0,0,1,0,0,0,1,0],"shift":[0,0,0]})",
+        R"({"turn":[1,0,0,0,1,0,0,0,1],"shift":[0,0,0,0]})",
+        R"({"turn":[1,0,0,0,1,0,0,0,1],"shift":[1e200,0,0]})", "[1e200,0,0,1,0,0,0,1,0]"})
+    EXPECT_THROW(parse_collider_json(with(damaged)), Error) << damaged;
+  EXPECT_THROW(parse_collider_json(with(straight, "1e200")), Error);
+}
+
 }  // namespace
 }  // namespace paperbake
