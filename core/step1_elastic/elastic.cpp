@@ -276,9 +276,9 @@ ElasticReport Elastic::Impl::step_without_contact(Sheet& sheet, const StepProble
     };
   if (rests_on_collider)
     how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
-  ElasticReport report =
-      solve(sheet, step, nullptr, how,
-            rests_on_collider ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
+  ElasticReport report = solve(
+      sheet, step, nullptr, how,
+      rests_on_collider ? BranchSearchMode::when_locked_on_collider : BranchSearchMode::when_slow);
   report.snap_in_progress |= rests_on_collider && !report.converged;
   const int more = extra_iterations * options.max_iterations / default_iterations;
   if (!is_interactive() || rests_on_collider || report.converged || more < 1 ||

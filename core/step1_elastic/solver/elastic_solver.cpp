@@ -93,8 +93,9 @@ BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSea
   if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
     return BranchSearchReason::slow;
   if (step.converged && note_locking(sheet))
-    return mode == BranchSearchMode::when_locked ? BranchSearchReason::locked_on_collider
-                                                 : BranchSearchReason::locked;
+    return mode == BranchSearchMode::when_locked_on_collider
+               ? BranchSearchReason::locked_on_collider
+               : BranchSearchReason::locked;
   return BranchSearchReason::none;
 }
 

@@ -63,10 +63,10 @@ inline constexpr double growth_until_search = 2;
 // [1] of the potential, that it then has to gain: what is a little lower is another wave
 inline constexpr double locked_gain = 1.0 / 3;
 
-// when_slow    after a step that takes many iterations, or of a sheet that is locked
-// when_locked  only in the second case; for a sheet that rests on a collider
-// none         never
-enum class BranchSearchMode { when_slow, when_locked, none };
+// when_slow                after a step that takes many iterations, or of a sheet that is locked
+// when_locked_on_collider  only in the second case: the sheet rests on a collider
+// none                     never
+enum class BranchSearchMode { when_slow, when_locked_on_collider, none };
 // Where the minimum is sought from: the initial guess of least potential, or where that leads with
 // the softened membrane.
 enum class StepStart { guess, softened };

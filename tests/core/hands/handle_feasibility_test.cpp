@@ -40,8 +40,8 @@ std::vector<int> all_of(const std::vector<Handle>& handles) {
 
 /// By how much the worst pair is farther apart than the paper, stretched by the tolerance and with
 /// rounding, is long. [m]
-double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
-                 const Points3& targets) {
+double worst_overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
+                       const Points3& targets) {
   double worst = 0;
   for (std::size_t i = 0; i < handles.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -208,7 +208,7 @@ TEST(HandleFeasibilityTest, ProjectionLeavesTheTipsOfAUWherePaperCanReach) {
   EXPECT_TRUE(targets == asked);
   targets(1, 0) = 2 * round_the_slot;
   EXPECT_GT(HandleFeasibility(u_shape, handles).project({0, 1}, targets), 0);
-  EXPECT_NEAR(overshoot(u_shape, handles, targets), 0, settled);
+  EXPECT_NEAR(worst_overshoot(u_shape, handles, targets), 0, settled);
 }
 
 TEST(HandleFeasibilityTest, ProjectionMakesImpossibleTargetsPossible) {
@@ -216,10 +216,10 @@ TEST(HandleFeasibilityTest, ProjectionMakesImpossibleTargetsPossible) {
     for (const int count : {2, 3, 7, 20})
       for (unsigned seed = 1; seed <= 8; ++seed) {
         Mess m = mess(pattern, count, seed);
-        ASSERT_GT(overshoot(pattern, m.handles, m.targets), 0.01);
+        ASSERT_GT(worst_overshoot(pattern, m.handles, m.targets), 0.01);
         EXPECT_GT(HandleFeasibility(pattern, m.handles).project(all_of(m.handles), m.targets),
                   0.005);
-        EXPECT_LT(overshoot(pattern, m.handles, m.targets), settled)
+        EXPECT_LT(worst_overshoot(pattern, m.handles, m.targets), settled)
             << count << " handles, seed " << seed;
       }
 }
@@ -234,7 +234,7 @@ TEST(HandleFeasibilityTest, ProjectionMakesAStretchedRowPossible) {
   for (std::size_t k = 0; k < handles.size(); ++k)
     targets.row(k) << 2 * handles[k].pattern.x(), 2 * handles[k].pattern.y(), 0;
   HandleFeasibility(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
-  EXPECT_LT(overshoot(rectangle(0.1, 0.1), handles, targets), settled);
+  EXPECT_LT(worst_overshoot(rectangle(0.1, 0.1), handles, targets), settled);
 }
 
 TEST(HandleFeasibilityTest, ProjectionReturnsTheLargestDisplacement) {
@@ -326,6 +326,26 @@ TEST(HandleFeasibilityTest, ProjectionConsidersOnlyTheGivenHandles) {
   EXPECT_GT(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
   Points3 nobody(0, 3);
   EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
+}
+
+TEST(OvershootTest, OfAFrameIsTakenRoundTheSlotAndFromHandlesThatHoldHard) {
+  const std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
+                                       bare_handle("right", right_tip, 1),
+                                       bare_handle("middle", {0.05, 0}, 1)};
+  std::vector<HandleFrame> frame(3);
+  frame[0].state = frame[1].state = HandleFrame::held;
+  frame[0].keyed = {0, 0, 0};
+  frame[1].keyed = {0.15, 0, 0};  // farther than the tips are from each other in a straight line
+  frame[2].keyed = {9, 9, 9};     // it holds nothing
+  EXPECT_EQ(overshoot(u_shape, handles, frame, 0).of_handle, -1);
+  const double over = 0.03;
+  frame[1].keyed = {round_the_slot + over, 0, 0};
+  const Overshoot found = overshoot(u_shape, handles, frame, 0);
+  EXPECT_EQ(found.of_handle, 1);
+  EXPECT_NEAR(found.length, over - HandleFeasibility::tolerance * round_the_slot, 2e-5);
+  EXPECT_EQ(overshoot(u_shape, handles, frame, 1).of_handle, 0);
+  frame[1].state = HandleFrame::soft;  // gives way
+  EXPECT_EQ(overshoot(u_shape, handles, frame, 0).of_handle, -1);
 }
 
 }  // namespace
