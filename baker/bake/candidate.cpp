@@ -19,8 +19,9 @@ namespace {
 double unavoidable(const BakePlan& plan, const AnimatedFrame& frame, std::size_t handle) {
   const Shot& shot = plan.shots[frame.sheet_index];
   const std::string& name = shot.handles[handle].name;
-  double most =
-      overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle)).length;
+  double most = 0;
+  if (frame.handles[handle].state == HandleFrame::jammed)
+    most = overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle)).length;
   for (const UnreachablePairOfSheet& i : plan.impossible)
     if (i.sheet == shot.sheet_name && (i.pair.a == name || i.pair.b == name))
       most = std::max(most, i.pair.apart - i.pair.allowed);
@@ -46,7 +47,7 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   if (is_pulled(frame.statistics, points, static_cast<int>(held))) return;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
-    const double off = handle.error() > 0 ? handle.error() - unavoidable(plan, frame, h) : 0;
+    const double off = handle.error() - unavoidable(plan, frame, h);
     attempt.off_pct = std::max(attempt.off_pct, 100 * off / side);
     if (off <= attempt.off) continue;
     attempt.off = off;

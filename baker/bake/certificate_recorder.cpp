@@ -90,14 +90,15 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
 }
 
 Jam CertificateRecorder::jam_of(const AnimatedFrame& frame, std::size_t handle) const {
-  constexpr double most = 0.5;  // [1] of the distance that is explained: two handles may share it
+  // [1] of its distance: a handle that is farther off than twice the overshoot has another reason
+  constexpr double explained = 0.5;
   const Shot& shot = bake_.plan.shots[sheet_];
   const double off = frame.handles[handle].error();
   Jam jam{shot.handles[handle].name, 1e3 * off};
   if (is_out_of_reach(bake_.plan, shot.sheet_name, jam.handle, frame.frame)) return jam;
   const Overshoot over =
       overshoot(shot.pattern, shot.handles, frame.handles, static_cast<int>(handle));
-  if (over.length > most * off) jam.taut_to = shot.handles[over.of_handle].name;
+  if (over.length > explained * off) jam.taut_to = shot.handles[over.of_handle].name;
   return jam;
 }
 

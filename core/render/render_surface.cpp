@@ -187,7 +187,9 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
   const bool changed = outcome.changed;
   for (int turn = 0; outcome.changed && turn < max_turns; ++turn) {
     limit_strain(x);
+    const std::size_t before = outcome.left;
     outcome = (*apart_)(x, mended, flat_at, is_held_);
+    if (before > 0 && outcome.left >= before) break;  // no other turn will help
   }
   if (!outcome.apart()) apart_->untangle_alternating(x, exact, lengths, is_held_);
   return changed;

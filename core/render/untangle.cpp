@@ -287,6 +287,7 @@ Untangler::Outcome Untangler::untangle_alternating(Points3& x, const Points3& li
   Points3 now = x;
   double least = lengths.worst(x);
   Outcome best = first;
+  std::size_t left = first.left;
   for (int turn = 0; turn < max_turns; ++turn) {
     lengths.restore(now);
     const Outcome outcome = (*this)(now, linear_positions, {}, held);
@@ -296,7 +297,8 @@ Untangler::Outcome Untangler::untangle_alternating(Points3& x, const Points3& li
       best.left = outcome.left;
       x = now;
     }
-    if (!outcome.changed) break;
+    if (!outcome.changed || (left > 0 && outcome.left >= left)) break;
+    left = outcome.left;
   }
   return best;
 }

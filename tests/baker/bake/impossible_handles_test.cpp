@@ -78,6 +78,33 @@ TEST_F(ImpossibleHandlesTest, ARelativeHandleThatPullsThePaperTautIsToldWithTheH
   EXPECT_EQ(ended.err.find("attempt"), std::string::npos) << "none can mend it: " << ended.err;
 }
 
+/// Handles that go 30 mm down into a table, and 0.1 mm farther than the paper reaches.
+TEST_F(ImpossibleHandlesTest, WhatATableHoldsBackIsNotSaidToBeTaut) {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(1, 1, 0.1, 0.1));
+  scene.mesh("collider.table", test::grid(1, 1, 1, 1, nullptr, [](double u, double v) {
+               return Vector3d(u - 0.5, v - 0.5, -0.001);
+             }));
+  std::vector<int> frames;
+  for (int f = 1; f <= 13; ++f) frames.push_back(f);
+  for (const double y : {0.0, 0.1}) {
+    scene.node(fmt::format("handle.still.{}", y), {0, y, 0});
+    std::vector<Vector3d> way;
+    for (const int f : frames) {
+      const double down = 0.03 * (f - 1) / 12, far = 0.1 + 1e-4 * (f - 1) / 12;
+      way.emplace_back(std::sqrt(far * far - down * down), y, -down);
+    }
+    scene.move(
+        scene.node(fmt::format("handle.pulls.{}", y), {0.1, y, 0}, R"({"paper_mode":"relative"})"),
+        frames, way);
+  }
+  const Ended ended = run({"bake", scene.write("blocked.gltf").string(), "-o", output(),
+                           "--triangles", "50", "--map-size", "8"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NE(ended.err.find("is jammed; the sheet touches the collider"), std::string::npos)
+      << ended.err;
+}
+
 TEST_F(ImpossibleHandlesTest, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {
   const std::string scene = drawn_apart(1.1);
   const std::string place = scene + ", handles \"handle.still\" and \"handle.drawn\"";

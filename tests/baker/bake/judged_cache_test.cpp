@@ -173,5 +173,21 @@ TEST_F(JudgedCache, SheetsWhoseNamesGiveTheSameFileNameKeepTheirOwnFiles) {
   expect_verified();
 }
 
+// No layers are near each other there, and no two simulated triangles are folded sharply.
+TEST_F(JudgedCache, RenderedTrianglesBesideSharpPointsDoNotPassThroughEachOther) {
+  bake_violent("thrown", {"--quality", "shot", "--attempts", "1"});
+  EXPECT_GT(most("singular"), 10);
+  EXPECT_EQ(most("render_crossings"), 0);
+  EXPECT_EQ(most("crossings"), 0);
+}
+
+// To lift the page off the table leads nowhere there: it stored 6.7 mJ.
+TEST_F(JudgedCache, APageThatIsLockedIsAlsoStartedASecondTimeWithoutBeingLifted) {
+  bake_violent("curled_edge", {"--frames", "1-23", "--attempts", "1"});
+  const auto last = frames().back();
+  EXPECT_NE(last.at("note").get<std::string>().find("a second start ended"), std::string::npos);
+  EXPECT_LT(last.at("energy_J"), 4e-3);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -1,5 +1,6 @@
 #include "core/geometry/intersections.h"
 
+#include "core/geometry/random.h"
 #include "tests/core/test_meshes.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -7,10 +8,12 @@
 #include <CGAL/Surface_mesh.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iterator>
 #include <random>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -149,6 +152,29 @@ TEST(IntersectionsTest, NumbersAgreeWithCgalOnRandomTriangles) {
     found += expected;
   }
   EXPECT_GT(found, 1000);
+}
+
+/// Whether two triangles of a sheet intersect when it has no others.
+bool intersect_alone(const Sheet& sheet, int s, int t) {
+  Triangles two(2, 3);
+  two << sheet.triangles.row(s), sheet.triangles.row(t);
+  return crossings(Sheet{{}, sheet.x, {}, two, {}}) > 0;
+}
+
+TEST(IntersectionsTest, ThePairsAreThoseThatACheckOfAllPairsFinds) {
+  for (int seed = 0; seed < 4; ++seed) {
+    Sheet sheet = hex_sheet(0.1, 0.1, 14, 0.2, seed);
+    for (int v = 0; v < sheet.x.rows(); ++v)
+      for (int k = 0; k < 3; ++k) sheet.x(v, k) += 8e-3 * uniform(seed, 3 * v + k);
+    std::set<std::pair<int, int>> all, found;
+    for (int s = 0; s < sheet.triangles.rows(); ++s)
+      for (int t = 0; t < s; ++t)
+        if (intersect_alone(sheet, s, t)) all.emplace(t, s);
+    ASSERT_GT(all.size(), 10u) << seed;
+    for (const auto& [s, t] : CrossingCounter(sheet.pattern, sheet.triangles).pairs(sheet.x))
+      EXPECT_TRUE(found.emplace(std::min(s, t), std::max(s, t)).second) << "found twice";
+    EXPECT_EQ(found, all) << seed;
+  }
 }
 
 TEST(IntersectionsTest, NumbersAgreeWithCgalOnCrumpledSheets) {

@@ -191,5 +191,42 @@ TEST(UntangleTest, TheTreeFindsNoPairInAGentlyBentSheet) {
   EXPECT_TRUE(NormalConeTree(sheet.pattern, sheet.triangles).near(sheet.x, sheet.x).empty());
 }
 
+/// A ring without a sixteenth, rolled to a cone so wide that its ends lie over each other, one
+/// turning up by `tilt` [1] and the other down. All its normals lie in one half-space, and no two
+/// triangles are folded sharply.
+Sheet wide_cone(double tilt) {
+  constexpr int turns = 180, rings = 8;
+  constexpr double inner = 0.03, outer = 0.1, rise = 2e-3, angle = 1.9375 * M_PI;
+  const double slope = M_PI / 3;  // of the generators against the axis
+  Sheet sheet;
+  sheet.pattern.resize((turns + 1) * (rings + 1), 2);
+  sheet.x.resize(sheet.pattern.rows(), 3);
+  sheet.triangles.resize(2 * turns * rings, 3);
+  for (int i = 0, v = 0, t = 0; i <= turns; ++i)
+    for (int j = 0; j <= rings; ++j, ++v) {
+      const double way = double(i) / turns, r = inner + (outer - inner) * j / rings,
+                   phi = angle * way / std::sin(slope);
+      sheet.pattern.row(v) << r * std::cos(angle * way), r * std::sin(angle * way);
+      sheet.x.row(v) << r * std::sin(slope) * std::cos(phi), r * std::sin(slope) * std::sin(phi),
+          -r * std::cos(slope) + (way - 0.5) * (rise - tilt * (r - inner));
+      if (i == turns || j == rings) continue;
+      sheet.triangles.row(t++) << v, v + 1, v + rings + 2;
+      sheet.triangles.row(t++) << v, v + rings + 2, v + rings + 1;
+    }
+  return sheet;
+}
+
+TEST(UntangleTest, EndsOfAWideConeThatPassThroughEachOtherAreSeparated) {
+  const Sheet flat = wide_cone(0);
+  ASSERT_EQ(crossings(flat), 0);
+  Sheet curved = wide_cone(0.1);
+  ASSERT_GT(crossings(curved), 10);
+  const std::vector<char> held(curved.x.rows(), 0);
+  const Untangler::Outcome outcome =
+      Untangler(curved.pattern, curved.triangles)(curved.x, flat.x, {}, held);
+  EXPECT_TRUE(outcome.changed && outcome.apart());
+  EXPECT_EQ(crossings(curved), 0);
+}
+
 }  // namespace
 }  // namespace paperbake
