@@ -3,6 +3,7 @@
 #include "baker/bake/candidate.h"
 #include "baker/bake/task_queue.h"
 #include "baker/job/input_hash.h"
+#include "baker/output/frequent_message.h"
 #include "baker/output/output_folder.h"
 #include "core/animation/swing.h"
 #include "core/geometry/mesh_coarseness.h"
@@ -12,7 +13,6 @@
 #include "formats/files/json.h"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <memory>
 
@@ -38,21 +38,6 @@ std::string why_doubted(AttemptReason reason, const Attempt& first) {
              : fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
                            first.base_triangles);
 }
-
-/// Says when people have waited long enough for a sign of life.
-class FrequentMessage {
- public:
-  bool is_due() {
-    using namespace std::chrono;
-    const auto now = steady_clock::now();
-    if (now - last_ < seconds(5)) return false;
-    last_ = now;
-    return true;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
 /// those of the candidates that are most likely to be chosen next.

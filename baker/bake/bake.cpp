@@ -7,6 +7,7 @@
 #include "baker/job/output_formats.h"
 #include "baker/job/plan_warnings.h"
 #include "baker/output/checkpoints.h"
+#include "baker/output/frequent_message.h"
 #include "baker/output/output_folder.h"
 #include "core/model/error.h"
 
@@ -75,11 +76,16 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
                                    Attempts& attempts) {
   const BakePlan& plan = attempts.plan();
   const bool resumable = can_resume(plan), kept = can_keep(plan);
+  FrequentMessage frequent;
   std::vector<AnimateOptions> options = options_of_sheets(plan);
   for (AnimateOptions& of_sheet : options) {
     // a later bake that resumes may want maps
     of_sheet.report_plastic_curvature = kept || pipeline.needs_plastic_curvature();
-    of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
+    of_sheet.asks_to_stop = [&] {
+      if (frequent.is_due())
+        progress.message("The opening of the shot is rehearsed, to find a mesh on which it bends.");
+      return stop.is_made();
+    };
   }
   Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every,
                           resumable ? Reuse::any_of_them : Reuse::all_or_none);

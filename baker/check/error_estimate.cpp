@@ -81,6 +81,7 @@ class Estimator {
   Estimator(const BakedSheet& sheet, const LockedJob& job)
       : sheet_(sheet),
         options_(options_of(job)),
+        dt_(1 / job.fps),
         fine_(sheet.shot, options_, fine),
         coarse_(sheet.shot, options_, probing) {}
 
@@ -131,12 +132,13 @@ class Estimator {
     Elastic elastic(sheet_.shot.paper, options_);
     elastic.set_mesh(relaxed.sheet, coarse_.mesh().stiffening);
     const BranchSearch found = probe_branches(
-        relaxed.sheet, elastic, {coarse_.constraints_of(held)}, {1.0 / 24, 0, frame, waves});
+        relaxed.sheet, elastic, {coarse_.constraints_of(held)}, {dt_, 0, frame, waves});
     return found.taken ? 100 * (found.before - found.after) / std::abs(found.before) : 0;
   }
 
   const BakedSheet& sheet_;
   ElasticOptions options_;
+  double dt_;  // [s] of a frame
   Polisher fine_, coarse_;
 };
 

@@ -15,7 +15,9 @@ namespace {
 constexpr double kept_share = 0.9;  // [1] of the frames that must keep the accuracy
 // [1] of the error that a mesh of twice as many triangles keeps, at most
 constexpr double least_gain = 0.75;
-constexpr double noticeable = 0.1;     // [%] of the longer side, where no accuracy is asked for
+// [%] of the longer side, by which results on finer meshes part; whatever accuracy is asked for, or
+// a coarser mesh could be chosen for a higher one
+constexpr double noticeable = 0.1;
 constexpr double size_exponent = 1.3;  // CPU time ~ size^1.3, to tell whether a budget is enough
 
 /// A simulation of all sheets, sampled at places of their patterns.
@@ -168,8 +170,7 @@ class AccuracySearch {
     distances_.push_back(std::move(pct));
     const std::size_t last = distances_.size() - 1;
     if (last > 0) {
-      const double least = settings_.accuracy.value_or(noticeable);
-      const std::size_t at = parting_frame(cut(last - 1), cut(last), least);
+      const std::size_t at = parting_frame(cut(last - 1), cut(last), noticeable);
       part(at, "finer meshes do not come nearer to each other");
     }
   }

@@ -45,10 +45,10 @@ struct BentEdges {
 /// Where two segments cross between their ends, as a fraction of the first.
 std::optional<double> crossing(const Vector2d& a, const Vector2d& b, const Bend& bend) {
   constexpr double inside = 1e-6;  // [1]
-  const Vector2d d = b - a, e = bend.b - bend.a, f = bend.a - a;
-  const double area = cross(d, e);
-  if (std::abs(area) <= 1e-12 * d.norm() * e.norm()) return std::nullopt;
-  const double on_first = cross(f, e) / area, on_bend = cross(f, d) / area;
+  const std::optional<LinesMeet> meet =
+      where_lines_meet({a, b - a}, {bend.a, bend.b - bend.a}, 1e-12);
+  if (!meet) return std::nullopt;
+  const auto [on_first, on_bend] = *meet;
   if (on_first <= inside || on_first >= 1 - inside || on_bend < -inside || on_bend > 1 + inside)
     return std::nullopt;
   return on_first;

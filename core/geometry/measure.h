@@ -37,7 +37,7 @@ double mean_edge(const Points2& pattern, const Triangles&);
 /// Area of triangle t on the pattern. [m2]
 inline double pattern_area(const Sheet& sheet, int t) {
   const auto corner = [&](int i) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, i)); };
-  return 0.5 * cross(corner(1) - corner(0), corner(2) - corner(0));
+  return signed_area(corner(0), corner(1), corner(2));
 }
 
 /// Largest |2 pi - sum of angles| over the inner vertices that are not singular points: 0 for a

@@ -14,9 +14,9 @@ namespace {
 double nearest_in_triangle(const Vector2d& p, const Vector2d (&corner)[3], Vector3d& weights) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
-    const Vector2d a = corner[i], d = corner[(i + 1) % 3] - a;
-    const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-    const double distance = (p - a - t * d).squaredNorm();
+    const Vector2d &a = corner[i], &b = corner[(i + 1) % 3];
+    const double t = nearest_share(p, a, b);
+    const double distance = (p - a - t * (b - a)).squaredNorm();
     if (distance >= least) continue;
     least = distance;
     weights.setZero();
@@ -54,15 +54,9 @@ PointLocator::PointLocator(const Points2& pattern, const Triangles& triangles)
 
 bool PointLocator::inside(int t, const Vector2d& p, Vector3d& weights) const {
   constexpr double outside = -1e-9;
-  const Vector2d a = pattern_.row(triangles_(t, 0)), b = pattern_.row(triangles_(t, 1)),
-                 c = pattern_.row(triangles_(t, 2));
-  const Vector2d u = b - a, v = c - a, q = p - a;
-  const double area = cross(u, v);
-  weights[1] = cross(q, v) / area;
-  if (weights[1] < outside) return false;
-  weights[2] = cross(u, q) / area;
-  weights[0] = 1 - weights[1] - weights[2];
-  return weights[2] >= outside && weights[0] >= outside;
+  weights = barycentric(p, pattern_.row(triangles_(t, 0)), pattern_.row(triangles_(t, 1)),
+                        pattern_.row(triangles_(t, 2)));
+  return weights.minCoeff() >= outside;
 }
 
 MeshPoint PointLocator::locate(const Vector2d& p) const {

@@ -96,21 +96,20 @@ std::vector<const PrescribedCrease*> crease_of_hinges(const Sheet& sheet, const 
 
 std::vector<Vector2d> crease_points(const std::vector<PrescribedCrease>& folds) {
   std::vector<Vector2d> stops;
-  std::vector<std::pair<Vector2d, Vector2d>> segments;
+  std::vector<Segment2> segments;
   for (const PrescribedCrease& fold : folds) {
     stops.insert(stops.end(), fold.line.begin(), fold.line.end());
     for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
-      segments.emplace_back(fold.line[k], fold.line[k + 1]);
+      segments.push_back({fold.line[k], fold.line[k + 1]});
   }
   for (std::size_t i = 0; i < segments.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const Vector2d d = segments[i].second - segments[i].first,
-                     e = segments[j].second - segments[j].first,
-                     w = segments[j].first - segments[i].first;
-      const double det = cross(d, e);
-      if (std::abs(det) < 1e-9 * d.norm() * e.norm()) continue;
-      const double s = cross(w, e) / det, t = cross(w, d) / det;
-      if (s >= 0 && s <= 1 && t >= 0 && t <= 1) stops.push_back(segments[i].first + s * d);
+      const Segment2& one = segments[i];
+      const std::optional<LinesMeet> meet =
+          where_lines_meet(line_through(one), line_through(segments[j]), 1e-9);
+      if (!meet) continue;
+      const auto [s, t] = *meet;
+      if (s >= 0 && s <= 1 && t >= 0 && t <= 1) stops.push_back(one.a + s * (one.b - one.a));
     }
   return stops;
 }

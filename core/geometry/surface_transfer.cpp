@@ -63,10 +63,7 @@ Vector3d weights_in(const AuthoredSurface& authored, int triangle, const Vector2
   const auto corner = [&](int k) {
     return Vector2d(authored.pattern.row(authored.triangles(triangle, k)));
   };
-  const Vector2d a = corner(1) - corner(0), b = corner(2) - corner(0), d = p - corner(0);
-  const double area = cross(a, b);
-  const double u = cross(d, b) / area, v = cross(a, d) / area;
-  return {1 - u - v, u, v};
+  return barycentric(p, corner(0), corner(1), corner(2));
 }
 
 CornerPlaces places_on(const AuthoredSurface& authored, const Points2& pattern,

@@ -29,13 +29,6 @@ void for_each_edge(const Pattern& pattern, Visit visit) {
   for (const auto& hole : pattern.holes) walk(hole);
 }
 
-Vector2d nearest_on_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d ab = b - a;
-  const double length2 = ab.squaredNorm();
-  if (length2 == 0) return a;
-  return a + std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) * ab;
-}
-
 /// [m] Lengths below this are rounding errors: coordinates come from 32-bit files, 1e-7 of the
 /// sheet.
 double rounding(const Pattern& pattern) { return 1e-7 * longer_side(pattern); }

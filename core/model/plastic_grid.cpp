@@ -81,7 +81,7 @@ PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& t
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector2d corner[3] = {pattern.row(triangles(t, 0)), pattern.row(triangles(t, 1)),
                                 pattern.row(triangles(t, 2))};
-    area[t] = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+    area[t] = signed_area(corner[0], corner[1], corner[2]);
     cover.first.push_back(static_cast<int>(cover.cell.size()));
     for (int c : centres_in(corner))
       if (cells_[c].inside && !taken[c]) {
@@ -133,7 +133,7 @@ Points3 PlasticGrid::at_vertices(const Points2& pattern, const Triangles& triang
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector2d corner[3] = {pattern.row(triangles(t, 0)), pattern.row(triangles(t, 1)),
                                 pattern.row(triangles(t, 2))};
-    const double weight = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double weight = signed_area(corner[0], corner[1], corner[2]);
     for (int k = 0; k < 3; ++k) {
       sum.row(triangles(t, k)) += weight * kept.row(t);
       area[triangles(t, k)] += weight;

@@ -18,10 +18,9 @@ constexpr double beside_line = 0.1;
 
 /// Where segment a crosses segment b: fraction of a in (0, 1); negative: nowhere.
 double crossing(const CreaseSegment& a, const CreaseSegment& b) {
-  const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
-  const double det = cross(d, e);
-  if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
-  const double s = cross(w, e) / det, t = cross(w, d) / det;
+  const std::optional<LinesMeet> meet = where_lines_meet({a.a, a.b - a.a}, {b.a, b.b - b.a}, 1e-6);
+  if (!meet) return -1;
+  const auto [s, t] = *meet;
   return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
 }
 
@@ -29,9 +28,7 @@ double crossing(const CreaseSegment& a, const CreaseSegment& b) {
 Vector2d onto_a_line(const Vector2d& p, const std::vector<CreaseSegment>& lines, double reach) {
   Vector2d onto = p;
   for (const CreaseSegment& line : lines) {
-    const Vector2d along = line.b - line.a;
-    const double at = std::clamp((p - line.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    const Vector2d q = line.a + at * along;
+    const Vector2d q = nearest_on_segment(p, line.a, line.b);
     if ((q - p).norm() >= reach) continue;
     reach = (q - p).norm();
     onto = q;

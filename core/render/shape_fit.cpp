@@ -51,8 +51,7 @@ ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
   for (int t = 0; t < triangles.rows(); ++t) {
     Face face;
     for (int i = 0; i < 3; ++i) face.v[i] = triangles(t, i);
-    const Vector2d u = at(face.v[1]) - at(face.v[0]), v = at(face.v[2]) - at(face.v[0]);
-    areas[t] = 0.5 * cross(u, v);
+    areas[t] = signed_area(at(face.v[0]), at(face.v[1]), at(face.v[2]));
     Vector2d slope[3];
     for (int i = 0; i < 3; ++i) {
       const Vector2d e = at(face.v[(i + 2) % 3]) - at(face.v[(i + 1) % 3]);

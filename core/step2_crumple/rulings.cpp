@@ -14,12 +14,10 @@ Vector2d turned(const Vector2d& d) { return {-d.y(), d.x()}; }
 /// Where the ray from p in the unit direction d meets the segment a-b, as a length along it. [m]
 std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a,
                             const Vector2d& b) {
-  const Vector2d side = b - a;
-  const double turn = cross(d, side);
-  if (std::abs(turn) < 1e-12 * side.norm()) return std::nullopt;
-  const double t = cross(a - p, side) / turn, s = cross(a - p, d) / turn;
-  if (t < 0 || s < -1e-9 || s > 1 + 1e-9) return std::nullopt;
-  return t;
+  const std::optional<LinesMeet> meet = where_lines_meet({p, d}, {a, b - a}, 1e-12);
+  if (!meet || meet->on_first < 0) return std::nullopt;
+  if (meet->on_second < -1e-9 || meet->on_second > 1 + 1e-9) return std::nullopt;
+  return meet->on_first;
 }
 
 /// Places the rulings of one sheet and keeps those that are placed already.

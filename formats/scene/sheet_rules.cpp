@@ -1,6 +1,7 @@
 #include "formats/scene/sheet_rules.h"
 
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +20,7 @@ PrescribedCrease snapped_to_points(const PrescribedCrease& crease,
     const Vector2d from = crease.line[k], along = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
     for (const Vector2d& p : points) {
-      const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      const double t = nearest_share(p, from, crease.line[k + 1]);
       if ((from + t * along - p).norm() < tolerance) passed.emplace_back(t, p);
     }
     std::stable_sort(passed.begin(), passed.end(),

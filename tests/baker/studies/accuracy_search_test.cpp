@@ -76,6 +76,22 @@ TEST(AccuracySearchTest, ASizeThatBeginsOnTheMeshOfTheOneBeforeItMeasuresNothing
   EXPECT_GT(plan.accuracy->error_pct, 0);
 }
 
+TEST(AccuracySearchTest, AHigherAccuracyNeverGetsACoarserMesh) {
+  // its meshes part in frame 32: from there on none is nearer to the truth
+  BakeSettings settings;
+  settings.scene = samples + "/S8_dcone.glb";
+  int finer = 0;
+  for (const double pct : {1.0, 0.3}) {
+    BakeSettings with = settings;
+    with.accuracy = pct;
+    const BakePlan plan = plan_with_accuracy(with, [](const std::string&) {});
+    ASSERT_TRUE(plan.accuracy);
+    EXPECT_GE(plan.accuracy->size, finer) << pct;
+    EXPECT_TRUE(plan.accuracy->is_reached) << pct;
+    finer = plan.accuracy->size;
+  }
+}
+
 class AccuracyCommandTest : public test::CommandLine {
  protected:
   Ended bake_push(const Words& more) const {
