@@ -30,13 +30,26 @@ int refinement(std::size_t attempt, AttemptReason reason) {
   return attempt % 2 == 1 && reason == AttemptReason::handle_off ? 2 : 4;
 }
 
+/// What the paper of an attempt with singular points does.
+const char* how_broken(const Attempt& attempt) {
+  return attempt.crumpled ? "crumples" : "breaks at single points";
+}
+
 /// Half a sentence on why the first attempt is doubted although its handles hold.
 std::string why_doubted(AttemptReason reason, const Attempt& first) {
-  return reason == AttemptReason::crumpled
-             ? fmt::format("the paper crumples on a first mesh of {} triangles",
-                           first.base_triangles)
-             : fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
-                           first.base_triangles);
+  if (reason == AttemptReason::coarse)
+    return fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
+                       first.base_triangles);
+  return fmt::format("the paper {} on a first mesh of {} triangles", how_broken(first),
+                     first.base_triangles);
+}
+
+/// Why a finer one is not baked. The end of a sentence.
+std::string why_not_better(const Attempt& finer, const Attempt& first) {
+  if (finer.crumpled || (first.points > 0 && finer.points >= first.points))
+    return fmt::format("because the paper {} on one of {}{}", how_broken(finer),
+                       finer.base_triangles, first.points > 0 ? ", too" : "");
+  return fmt::format("because one of {} is not better", finer.base_triangles);
 }
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
@@ -104,12 +117,12 @@ bool Attempts::is_doubtful() const {
 
 bool Attempts::is_mesh_doubted() const {
   return watches_ && !failing_ && may_be_finer(settings_) && !begins_finer_ &&
-         seen_.off <= tolerance_of_attempts() && (seen_.crumpled || is_coarse());
+         seen_.off <= tolerance_of_attempts() && (seen_.points > 0 || is_coarse());
 }
 
 std::string Attempts::caution() const {
   if (first_.ends_with_shot || !is_mesh_doubted()) return {};
-  const AttemptReason reason = seen_.crumpled ? AttemptReason::crumpled : AttemptReason::coarse;
+  const AttemptReason reason = seen_.points > 0 ? AttemptReason::crumpled : AttemptReason::coarse;
   return fmt::format(
       "{}: a bake of the whole shot also tries a finer one, and may come out otherwise",
       why_doubted(reason, seen_));
@@ -138,8 +151,10 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
 Attempt Attempts::describe_attempt(std::size_t number) const {
   Attempt attempt;
   attempt.base_triangles = settings_.base_triangles;
-  if (reason_ == AttemptReason::handle_off)
-    attempt.seed_offset = seed_step * static_cast<unsigned>(number);
+  // the first of a finer mesh that is tried for another reason keeps the seed
+  const std::size_t seeds =
+      reason_ == AttemptReason::handle_off || number == 0 ? number : number - 1;
+  attempt.seed_offset = seed_step * static_cast<unsigned>(seeds);
   if (may_be_finer(settings_)) attempt.base_triangles *= refinement(number, reason_);
   return attempt;
 }
@@ -170,37 +185,44 @@ std::filesystem::path Attempts::folder_of(std::size_t number) const {
   return state_ / "attempts" / std::to_string(number);
 }
 
-std::vector<std::unique_ptr<Candidate>> Attempts::make_candidates(StopRequest& stop,
-                                                                  StageClock& clock) const {
-  std::vector<std::unique_ptr<Candidate>> all;
-  const std::size_t count =
-      reason_ == AttemptReason::handle_off ? static_cast<std::size_t>(settings_.attempts) : 2;
-  for (std::size_t k = 0; k < count; ++k) {
-    BakePlan plan = plan_of(k);
-    plan.polish = {};
-    const std::filesystem::path folder = folder_of(k);
-    make_folder(folder);
-    const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
-    all.push_back(std::make_unique<Candidate>(
-        std::move(plan), k == 0 ? seen_ : describe_attempt(k), reason_,
-        CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock));
-  }
-  return all;
+std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequest& stop,
+                                                    StageClock& clock) const {
+  BakePlan plan = plan_of(number);
+  plan.polish = {};
+  const std::filesystem::path folder = folder_of(number);
+  make_folder(folder);
+  const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
+  const int points = reason_ == AttemptReason::crumpled
+                         ? std::min(seen_.points, points_of_a_crumple)
+                         : points_of_a_crumple;
+  return std::make_unique<Candidate>(
+      std::move(plan), number == 0 ? seen_ : describe_attempt(number), reason_, points,
+      CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock);
+}
+
+bool Attempts::may_another_seed_do(const Candidate& finer) const {
+  const Attempt& known = finer.known();
+  return reason_ != AttemptReason::handle_off && settings_.attempts > 2 && finer.is_hopeless() &&
+         !known.crumpled && known.off > tolerance_of_attempts();
 }
 
 /// Half a sentence.
 std::string Attempts::why_tried(const Attempt& before) const {
-  if (reason_ != AttemptReason::handle_off) return why_doubted(reason_, before);
+  if (reason_ != AttemptReason::handle_off && before.off <= tolerance_of_attempts())
+    return why_doubted(reason_, before);
   return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
                      before.frame, 1e3 * before.off);
 }
 
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
-  reason_ = failing_         ? AttemptReason::handle_off
-            : seen_.crumpled ? AttemptReason::crumpled
-                             : AttemptReason::coarse;
+  reason_ = failing_           ? AttemptReason::handle_off
+            : seen_.points > 0 ? AttemptReason::crumpled
+                               : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
-  auto all = make_candidates(stop, clock);
+  std::vector<std::unique_ptr<Candidate>> all;
+  const std::size_t count =
+      reason_ == AttemptReason::handle_off ? static_cast<std::size_t>(settings_.attempts) : 2;
+  while (all.size() < count) all.push_back(make_candidate(all.size(), stop, clock));
   FrequentMessage frequent;
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
@@ -216,6 +238,8 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     (*next)->show_frame();
     if (frequent.is_due())
       progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
+    if (all.size() == 2 && may_another_seed_do(*all.back()))
+      all.push_back(make_candidate(2, stop, clock));
   }
   AttemptChoice choice;
   choice.reason = reason_;
@@ -265,7 +289,7 @@ std::string Attempts::key() const {
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried)
-    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.crumpled});
+    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.crumpled, t.points});
   write_atomically(decision_, json_line({{"key", key()},
                                          {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
@@ -291,6 +315,7 @@ bool Attempts::load_choice() {
       attempt.frame = of_attempt.at(2);
       attempt.frames = of_attempt.at(3);
       attempt.crumpled = of_attempt.at(4);
+      attempt.points = of_attempt.at(5);
       choice.tried.push_back(attempt);
     }
   } catch (const std::exception&) {
@@ -320,13 +345,9 @@ std::string describe(const AttemptChoice& choice) {
     if (choice.tried.size() == 1)
       return fmt::format("attempts: {}; it is baked, because none comes of a finer one",
                          why_doubted(choice.reason, first));
-    return fmt::format(
-        "attempts: {}; {}", why_doubted(choice.reason, first),
-        choice.baked > 0 ? fmt::format("one of {} is baked", finer.base_triangles)
-        : finer.crumpled
-            ? fmt::format("it is baked, because the paper crumples on one of {}{}",
-                          finer.base_triangles, first.crumpled ? ", too" : "")
-            : fmt::format("it is baked, because one of {} is not better", finer.base_triangles));
+    return fmt::format("attempts: {}; {}", why_doubted(choice.reason, first),
+                       choice.baked > 0 ? fmt::format("one of {} is baked", finer.base_triangles)
+                                        : "it is baked, " + why_not_better(finer, first));
   }
   std::string text =
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",
@@ -340,8 +361,10 @@ std::string describe(const AttemptChoice& choice) {
   if (choice.baked == 0)
     return text + fmt::format("; it is baked, because {} {} not better", others,
                               others == 1 ? "other is" : "others are");
-  text += fmt::format("; attempt {} of {} is baked, where handles are off by {:.2g} mm at most",
-                      choice.baked + 1, choice.tried.size(), 1e3 * baked.off);
+  text += fmt::format(
+      "; attempt {} of {} is baked, where handles that paper can reach are off by {:.2g} mm at "
+      "most",
+      choice.baked + 1, choice.tried.size(), 1e3 * baked.off);
   if (baked.base_triangles != first.base_triangles)
     text += fmt::format(", on a first mesh of {} triangles", baked.base_triangles);
   return text;

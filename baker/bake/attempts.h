@@ -20,16 +20,18 @@ namespace paperbake {
 /// matter of luck, and the first one is baked. Nor is it where no handle has moved: one that gives
 /// way then does so to a collider, however the paper buckles.
 ///
-/// A mesh may also be too coarse for the bends of a shot: a sheet crumples only because of that, or
-/// it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in more than a
-/// tenth of the frames. By how much is the larger of two numbers: how far the sheet is from where
-/// it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame), and how far
-/// its triangles are from smooth paper (rms_sagitta). Where all handles hold and the mesh may be
-/// too coarse, the shot is simulated once more on a first mesh of four times as many triangles,
-/// with the seed of the bake, until a sheet crumples there. If none does and the handles hold, this
-/// attempt is baked. A shot whose first mesh a rehearsal has made finer is not doubted in this way.
-/// Nor is one that is baked in part: its frames would depend on which part that is, and a message
-/// says that the whole shot may come out otherwise.
+/// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
+/// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
+/// more than a tenth of the frames. By how much is the larger of two numbers: how far the sheet is
+/// from where it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame),
+/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold and the
+/// mesh may be too coarse, the shot is simulated once more on a first mesh of four times as many
+/// triangles, with the seed of the bake, until a sheet gets as many singular points there as in the
+/// first attempt, or crumples. If none does and the handles hold, this attempt is baked. If none
+/// does but a handle is off, the finer mesh is tried once more, with another seed. A shot whose
+/// first mesh a rehearsal has made finer is not doubted in this way. Nor is one that is baked in
+/// part: its frames would depend on which part that is, and a message says that the whole shot may
+/// come out otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -87,7 +89,9 @@ class Attempts {
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
-  std::vector<std::unique_ptr<Candidate>> make_candidates(StopRequest&, StageClock&) const;
+  std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
+  /// Whether a finer mesh whose sheet does not crumple loses a handle: with another seed it may not.
+  bool may_another_seed_do(const Candidate& finer) const;
   std::string why_tried(const Attempt& before) const;
   void remove_attempts() const;
 

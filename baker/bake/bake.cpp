@@ -11,6 +11,7 @@
 #include "baker/output/output_folder.h"
 #include "core/model/error.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <optional>
 
@@ -216,7 +217,14 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
 
 void print_warnings(const BakePlan& plan, Progress& progress) {
   for (const std::string& warning : plan.warnings) progress.warning(warning);
-  for (const UnreachablePairOfSheet& pair : plan.impossible) progress.warning(describe(pair));
+  constexpr std::size_t told = 3;  // one cause often has many pairs
+  for (std::size_t k = 0; k < std::min(told, plan.impossible.size()); ++k)
+    progress.warning(describe(plan.impossible[k]));
+  if (const std::size_t all = plan.impossible.size(); all > told)
+    progress.warning(fmt::format(
+        "{} more {} of handles {} for more than paper can reach, by less: paperbake inspect lists "
+        "them.",
+        all - told, all == told + 1 ? "pair" : "pairs", all == told + 1 ? "asks" : "ask"));
 }
 
 BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& plan,

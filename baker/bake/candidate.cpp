@@ -40,6 +40,10 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   const Shot& shot = plan.shots[frame.sheet_index];
   const double side = longer_side(shot.pattern);
   attempt.crumpled |= is_crumpled(*frame.sheet);
+  const auto born = std::count_if(
+      frame.sheet->singular.begin(), frame.sheet->singular.end(),
+      [&](const SingularPoint& p) { return p.frame_of_birth > plan.animation.first_frame; });
+  attempt.points = std::max(attempt.points, static_cast<int>(born));
   const auto held =
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
@@ -55,10 +59,11 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   }
 }
 
-Candidate::Candidate(BakePlan plan, const Attempt& known, AttemptReason reason,
+Candidate::Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, int points,
                      CandidateFolder folder, StopRequest& stop, StageClock& clock)
     : plan_(std::move(plan)),
       reason_(reason),
+      points_(points),
       folder_(std::move(folder)),
       clock_(clock),
       shown_{known},
@@ -80,9 +85,10 @@ bool Candidate::is_hopeless(const State& state) const {
 }
 
 double Candidate::badness(const State& state) const {
+  const Attempt& known = state.attempt;
   const bool is_no_better =
-      reason_ != AttemptReason::handle_off && (state.attempt.crumpled || state.attempt.coarse ||
-                                               state.attempt.off > tolerance_of_attempts());
+      reason_ != AttemptReason::handle_off &&
+      (known.points >= points_ || known.coarse || known.off > tolerance_of_attempts());
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
                                       : std::max(state.attempt.off, tolerance_of_attempts());
 }

@@ -31,7 +31,8 @@ class Candidate {
   /// plan    of the attempt
   /// known   of it before: of its first known.frames frames
   /// reason  why attempts are compared
-  Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, CandidateFolder,
+  /// points  with so many singular points that were born in a sheet it is no better than the first
+  Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, int points, CandidateFolder,
             StopRequest&, StageClock&);
 
   const Attempt& known() const { return shown_.attempt; }
@@ -40,8 +41,8 @@ class Candidate {
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
   /// What attempts are compared by: all that are within the tolerance are alike. Where handles are
-  /// not the reason, those are infinitely bad that crumple, are too coarse or are not within the
-  /// tolerance.
+  /// not the reason, those are infinitely bad that have too many singular points, are too coarse or
+  /// are not within the tolerance.
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;
@@ -80,6 +81,7 @@ class Candidate {
 
   BakePlan plan_;
   AttemptReason reason_;
+  int points_;
   CandidateFolder folder_;
   StageClock& clock_;
   State shown_, ahead_;
@@ -100,7 +102,7 @@ class Candidate {
 double tolerance_of_attempts();
 
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
-/// and whether its sheet is crumpled.
+/// whether its sheet is crumpled, and the singular points that were born in it.
 /// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in
 /// which the sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand
 /// stronger.

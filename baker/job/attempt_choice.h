@@ -7,7 +7,7 @@ namespace paperbake {
 
 /// Why other attempts at a shot than the first are simulated (baker/bake/attempts.h).
 /// handle_off  a handle of the first one is off by more than the gate of handles allows
-/// crumpled    its sheet crumples, and might not on a finer mesh
+/// crumpled    its sheet gets singular points, and might not on a finer mesh
 /// coarse      its mesh puts the smooth sheet off visibly
 enum class AttemptReason { handle_off, crumpled, coarse };
 /// The word for it in files.
@@ -24,6 +24,7 @@ struct Attempt {
   int frames = 0;         // that were simulated
   bool coarse = false;    // whether it is doubted because of its coarse triangles
   bool crumpled = false;  // whether a sheet is (core/model/sheet.h)
+  int points = 0;         // singular points that were born in a sheet, at most
 };
 
 /// Which attempt of a shot is baked, and which were tried.

@@ -231,10 +231,12 @@ Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
         "hold of the paper."};
   if (!has_start_fault(plan, f.sheet) &&
       is_pulled(f.statistics, f.statistics.singular, held_handles(f, plan)))
-    return {fmt::format("behind{}: its weight, its speed or the air may be too strong for the "
-                        "hand, which gives way rather than tear the paper",
-                        touches.empty() ? ", though nothing touches the sheet" : ""),
-            "Hold the paper with more handles, move them more slowly, or make the wind weaker."};
+    return {
+        fmt::format(
+            "behind{}: its weight, its stiffness, its speed or the air may be too strong for the "
+            "hand, which gives way rather than tear the paper",
+            touches.empty() ? ", though nothing touches the sheet" : ""),
+        "Hold the paper with more handles, move them more slowly, or make the wind weaker."};
   if (!touches.empty())
     return {"jammed; the sheet touches " + touches, advice(Gate::handles, plan)};
   if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles, plan)};

@@ -50,7 +50,8 @@ void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps)
     }
     if (now.moved >
         sudden * std::max(1.0, now.driven / drive) * std::max(around, slow_motion * side))
-      leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0});
+      leaps.push_back(
+          {frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0, now.inertia});
   }
 }
 
@@ -91,7 +92,10 @@ std::string describe(const std::vector<Leap>& all_leaps) {
                             fmt::join(others, ", "), all ? "" : " and more",
                             leaps.size() == 2 ? "is" : "are");
   }
-  return sentence + ". If it shows, try more --base-triangles, or slower keys.";
+  // paper without inertia has no speed, and is in its other shape at once
+  return sentence +
+         fmt::format(". If it shows, try {}more --base-triangles, or slower keys.",
+                     longest.inertia ? "" : "--dynamics on, with which a snap takes time, ");
 }
 
 }  // namespace paperbake

@@ -15,6 +15,7 @@ struct Leap {
   double moved = 0;       // [m] root mean square
   double around = 0;      // [m] the same in the frames that it is compared with, at most
   bool crumpled = false;  // the sheet has singular points by then
+  bool inertia = false;   // it has inertia in this frame
 };
 
 /// The leaps of all sheets, in order of their frames. The sheet touches no other one, and no handle

@@ -238,6 +238,7 @@ Json attempts_json(const BakePlan& plan) {
                      {"base_triangles", t.base_triangles},
                      {"frames", t.frames},
                      {"crumpled", t.crumpled},
+                     {"points", t.points},
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},
                      {"frame_of_off", t.frame}});

@@ -263,6 +263,11 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     if (now_.last_remesh) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;
+  // the frame begins where it is, also on the mesh that it may have to go back to
+  if (now_.last_remesh) {
+    SimulatedSheet::Snapshot& before = now_.last_remesh->before;
+    before.positions_before = before.sheet.x;
+  }
   now_.is_sleeping = comes_to_rest();
   now_.is_idle = now_.is_sleeping;
   if (first && !now_.is_idle)

@@ -65,7 +65,6 @@ bool SheetSimulation::change_mesh(const RemeshContext& context,
 void SheetSimulation::undo_remesh() {
   restore(std::move(now_.last_remesh->before));
   now_.last_remesh.reset();
-  simulated_.positions_before = sheet().x;
 }
 
 bool SheetSimulation::cuts_into_collider(const Sheet& before) const {

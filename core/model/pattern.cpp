@@ -120,6 +120,8 @@ double longer_side(const Pattern& pattern) { return extent(pattern).maxCoeff(); 
 
 double shorter_side(const Pattern& pattern) { return extent(pattern).minCoeff(); }
 
+double mean_width(const Pattern& pattern) { return area(pattern) / longer_side(pattern); }
+
 double area(const Pattern& pattern) {
   double sum = signed_area(pattern.outline);
   for (const auto& hole : pattern.holes) sum += signed_area(hole);  // clockwise: negative

@@ -17,7 +17,9 @@ struct Pattern {
 Vector2d extent(const Pattern&);      // [m] width and height of the bounding box
 double longer_side(const Pattern&);   // [m] one unit of the render uv
 double shorter_side(const Pattern&);  // [m]
-double area(const Pattern&);          // [m2] without the holes
+/// [m] Area over longer side: the shorter side of a rectangle; of other outlines the mean one across.
+double mean_width(const Pattern&);
+double area(const Pattern&);  // [m2] without the holes
 
 /// True if p lies inside the pattern or within `tolerance` [m] of its border.
 bool contains(const Pattern&, const Vector2d& p, double tolerance = 0);

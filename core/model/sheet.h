@@ -69,10 +69,10 @@ struct Sheet {
   std::vector<CreaseEdge> crease_edges = {};
 };
 
-/// Whether the sheet is crumpled: one with only one or two singular points is smooth elsewhere.
+/// A sheet with so many singular points is crumpled: one with fewer is smooth elsewhere.
+constexpr int points_of_a_crumple = 3;
 inline bool is_crumpled(const Sheet& sheet) {
-  constexpr std::size_t least_points = 3;
-  return sheet.singular.size() >= least_points;
+  return static_cast<int>(sheet.singular.size()) >= points_of_a_crumple;
 }
 
 }  // namespace paperbake

@@ -295,6 +295,27 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
                          : "No handle moves: no animation of the file belongs to one.");
 }
 
+void warn_of_loose_sheets(const std::vector<SceneSheet>& sheets,
+                          std::vector<std::string>& warnings) {
+  std::vector<std::string> loose;
+  for (const SceneSheet& sheet : sheets) {
+    if (!sheet.handles.empty()) continue;
+    if (is_longer_word(sheet.name, "paper"))
+      warnings.push_back(
+          fmt::format("The sheet \"{}\" has no handle: nothing holds it. If it is no "
+                      "sheet, rename it or give it paper_ignore.",
+                      sheet.name));
+    else
+      loose.push_back(sheet.name);
+  }
+  if (loose.size() == 1)
+    warnings.push_back(
+        fmt::format("The sheet \"{}\" has no handle: nothing holds it.", loose.front()));
+  else if (!loose.empty())
+    warnings.push_back(fmt::format("{} sheets have no handle, nothing holds them: \"{}\".",
+                                   loose.size(), fmt::join(loose, "\", \"")));
+}
+
 }  // namespace
 
 void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
@@ -318,13 +339,7 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
     if (by_scale[i]) sheet.scale_releases.insert(handles[i].name);
     sheet.handles.push_back(std::move(handles[i]));
   }
-  for (const SceneSheet& sheet : sheets)
-    if (sheet.handles.empty())
-      warnings.push_back(fmt::format("The sheet \"{}\" has no handle: nothing holds it.{}",
-                                     sheet.name,
-                                     is_longer_word(sheet.name, "paper")
-                                         ? " If it is no sheet, rename it or give it paper_ignore."
-                                         : ""));
+  warn_of_loose_sheets(sheets, warnings);
 }
 
 }  // namespace paperbake

@@ -75,6 +75,21 @@ TEST(Attempt, IsCrumpledFromTheThirdSingularPointOn) {
   EXPECT_TRUE(attempt.crumpled);
 }
 
+TEST(Attempt, CountsThePointsThatWereBornAndNotThoseThatTheArtistAskedFor) {
+  BakePlan plan = plan_of_one_sheet();
+  plan.animation.first_frame = 5;
+  AnimatedFrame frame = frame_with_handles_off(9, 0, 0);
+  Sheet sheet;
+  sheet.singular = {{{0, 0}, 5, "rule"}, {{0.1, 0}, 8, "conflict"}};
+  frame.sheet = &sheet;
+  Attempt attempt;
+  add_frame(attempt, frame, plan);
+  EXPECT_EQ(attempt.points, 1);
+  sheet.singular.clear();
+  add_frame(attempt, frame, plan);
+  EXPECT_EQ(attempt.points, 1) << "of the sheet that has most";
+}
+
 TEST(Attempt, DoesNotCountAHandleThatHoldsNothing) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
   frame.handles[1].state = HandleFrame::free;
@@ -135,6 +150,7 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   Attempt first, finer;
   first.base_triangles = 120;
   first.crumpled = true;
+  first.points = 3;
   finer.base_triangles = 480;
   choice.tried = {first, finer};
   choice.baked = 1;
@@ -153,9 +169,29 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
             std::string::npos);
   choice.reason = AttemptReason::coarse;
   choice.tried[0].crumpled = false;
+  choice.tried[0].points = 0;
   EXPECT_EQ(describe(choice),
             "attempts: a first mesh of 120 triangles puts the smooth paper off visibly; it "
             "is baked, because the paper crumples on one of 480");
+}
+
+TEST(Attempt, OnAFinerMeshIsBakedWhereThePointsWereThoseOfTheFirstOne) {
+  AttemptChoice choice;
+  choice.reason = AttemptReason::crumpled;
+  Attempt first, finer;
+  first.base_triangles = 120;
+  first.points = 2;
+  finer.base_triangles = 480;
+  finer.points = 1;
+  choice.tried = {first, finer};
+  choice.baked = 1;
+  EXPECT_EQ(describe(choice),
+            "attempts: the paper breaks at single points on a first mesh of 120 triangles; one of "
+            "480 is baked");
+  choice.baked = 0;
+  choice.tried[1].points = 2;
+  EXPECT_NE(describe(choice).find("because the paper breaks at single points on one of 480, too"),
+            std::string::npos);
 }
 
 /// A crumple, from frame 24 on. With seed 0 a handle is off by 1.3 mm in frame 38, with seed 3 by
@@ -163,10 +199,14 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
 class AttemptsTest : public test::ResumeFixture {
  protected:
   Words shot(const std::string& sample, const std::string& out, const Words& more) const {
-    Words all{"bake",       test::samples + "/" + sample + ".glb",
-              "-o",         (folder / out).string(),
-              "--formats",  "abc,cert",
-              "--quality",  "draft",
+    return shot_of(test::samples + "/" + sample + ".glb", out, more);
+  }
+  static std::string violent(const std::string& scene) {
+    return std::string(PAPERBAKE_DATA) + "/violent/" + scene + ".glb";
+  }
+  Words shot_of(const std::string& scene, const std::string& out, const Words& more) const {
+    Words all{"bake",       scene,      "-o",        (folder / out).string(),
+              "--formats",  "abc,cert", "--quality", "draft",
               "--progress", "plain"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
@@ -302,6 +342,44 @@ TEST_F(AttemptsTest, SmoothPaperThatItsMeshPutsOffIsBakedOnAFinerOne) {
   ASSERT_TRUE(attempts.is_object());
   EXPECT_EQ(attempts.at("reason"), "coarse");
   EXPECT_EQ(attempts.at("baked"), 2);
+}
+
+TEST_F(AttemptsTest, SingularPointsThatOnlyACoarseMeshHasAreNotBaked) {
+  const Ended ended = run(shot_of(violent("squeezed_ring"), "out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json all = summary("out");
+  EXPECT_EQ(all.at("attempts").at("reason"), "crumpled");
+  EXPECT_EQ(all.at("attempts").at("baked"), 2);
+  EXPECT_EQ(all.at("singular"), 0);
+  run(shot_of(violent("squeezed_ring"), "first", {"--attempts", "1"}));
+  EXPECT_GT(summary("first").at("singular"), 0);
+}
+
+TEST_F(AttemptsTest, APointThatAFinerMeshHasTooIsThePapers) {
+  const Ended ended = run(shot("S8_dcone", "out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json all = summary("out");
+  EXPECT_EQ(all.at("attempts").at("baked"), 1);
+  EXPECT_LT(all.at("attempts").at("tried").at(1).at("frames"), 96) << "it ends where it gets one";
+  EXPECT_EQ(all.at("singular"), 1);
+}
+
+TEST_F(AttemptsTest, AFinerMeshThatLosesAHandleIsTriedWithAnotherSeed) {
+  // a poster that is rolled from both ends: the rolls are boxes on 120 triangles
+  const Ended ended = run(shot_of(violent("two_rolls"), "out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json attempts = summary("out").at("attempts");
+  EXPECT_EQ(attempts.at("reason"), "coarse");
+  ASSERT_EQ(attempts.at("baked"), 3);
+  EXPECT_GT(attempts.at("tried").at(1).at("off_mm"), 1);
+  EXPECT_EQ(attempts.at("tried").at(2).at("seed_offset"), 1000);
+  EXPECT_EQ(attempts.at("tried").at(2).at("base_triangles"), 480);
+  EXPECT_LT(attempts.at("tried").at(2).at("off_mm"), 1);
+  EXPECT_EQ(times(ended.err, "is tried"), 2) << ended.err;
+  // a bake that goes on has the same choice
+  const Ended again = run(shot_of(violent("two_rolls"), "out", {"--map-frames", "1"}));
+  EXPECT_EQ(times(again.err, "is tried"), 0) << again.err;
+  EXPECT_EQ(summary("out").at("attempts"), attempts);
 }
 
 TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
