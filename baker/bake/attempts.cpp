@@ -32,7 +32,7 @@ int refinement(std::size_t attempt, AttemptReason reason) {
 
 /// What the paper of an attempt with singular points does.
 const char* how_broken(const Attempt& attempt) {
-  return attempt.crumpled ? "crumples" : "breaks at single points";
+  return attempt.points >= points_of_a_crumple ? "crumples" : "breaks at single points";
 }
 
 /// Half a sentence on why the first attempt is doubted although its handles hold.
@@ -46,7 +46,7 @@ std::string why_doubted(AttemptReason reason, const Attempt& first) {
 
 /// Why a finer one is not baked. The end of a sentence.
 std::string why_not_better(const Attempt& finer, const Attempt& first) {
-  if (finer.crumpled || (first.points > 0 && finer.points >= first.points))
+  if (finer.points >= points_of_a_crumple || (first.points > 0 && finer.points >= first.points))
     return fmt::format("because the paper {} on one of {}{}", how_broken(finer),
                        finer.base_triangles, first.points > 0 ? ", too" : "");
   return fmt::format("because one of {} is not better", finer.base_triangles);
@@ -148,14 +148,22 @@ void Attempts::watch_bends(const AnimatedFrame& frame) {
   bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible_motion;
 }
 
+BakeSettings Attempts::settings_of(std::size_t number) const {
+  BakeSettings settings = settings_;
+  if (may_be_finer(settings_)) settings.base_triangles *= refinement(number, reason_);
+  return settings;
+}
+
 Attempt Attempts::describe_attempt(std::size_t number) const {
   Attempt attempt;
-  attempt.base_triangles = settings_.base_triangles;
+  const BakeSettings settings = settings_of(number);
+  for (const Shot& shot : first_.shots)
+    attempt.base_triangles =
+        std::max(attempt.base_triangles, first_triangles(settings, shot.pattern));
   // the first of a finer mesh that is tried for another reason keeps the seed
   const std::size_t seeds =
       reason_ == AttemptReason::handle_off || number == 0 ? number : number - 1;
   attempt.seed_offset = seed_step * static_cast<unsigned>(seeds);
-  if (may_be_finer(settings_)) attempt.base_triangles *= refinement(number, reason_);
   return attempt;
 }
 
@@ -164,8 +172,7 @@ BakePlan Attempts::plan_of(std::size_t number) const {
   if (number == 0) return plan;
   const Attempt attempt = describe_attempt(number);
   plan.animation.checks_mesh = false;
-  BakeSettings settings = settings_;
-  settings.base_triangles = attempt.base_triangles;
+  const BakeSettings settings = settings_of(number);
   const auto with_attempt = [&](std::string& hash) {
     hash = hex(content_hash(fmt::format("{} attempt {}, {}, {}", hash, number, name_of(reason_),
                                         attempt.base_triangles)));
@@ -192,18 +199,18 @@ std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequ
   const std::filesystem::path folder = folder_of(number);
   make_folder(folder);
   const bool goes_on = settings_.resume == Resume::automatic || folder == state_;
+  // with as many points as in the first attempt a finer mesh shows that they are the paper's
   const int points = reason_ == AttemptReason::crumpled
                          ? std::min(seen_.points, points_of_a_crumple)
                          : points_of_a_crumple;
   return std::make_unique<Candidate>(
-      std::move(plan), number == 0 ? seen_ : describe_attempt(number), reason_, points,
+      std::move(plan), number == 0 ? seen_ : describe_attempt(number), Comparison{reason_, points},
       CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock);
 }
 
 bool Attempts::may_another_seed_do(const Candidate& finer) const {
-  const Attempt& known = finer.known();
-  return reason_ != AttemptReason::handle_off && settings_.attempts > 2 && finer.is_hopeless() &&
-         !known.crumpled && known.off > tolerance_of_attempts();
+  return reason_ == AttemptReason::coarse && settings_.attempts > 2 && finer.is_hopeless() &&
+         finer.known().points < points_of_a_crumple && finer.known().off > tolerance_of_attempts();
 }
 
 /// Half a sentence.
@@ -345,9 +352,14 @@ std::string describe(const AttemptChoice& choice) {
     if (choice.tried.size() == 1)
       return fmt::format("attempts: {}; it is baked, because none comes of a finer one",
                          why_doubted(choice.reason, first));
-    return fmt::format("attempts: {}; {}", why_doubted(choice.reason, first),
-                       choice.baked > 0 ? fmt::format("one of {} is baked", finer.base_triangles)
-                                        : "it is baked, " + why_not_better(finer, first));
+    return fmt::format(
+        "attempts: {}; {}", why_doubted(choice.reason, first),
+        choice.baked > 0
+            ? fmt::format("one of {} is baked{}", finer.base_triangles,
+                          baked.seed_offset > 0
+                              ? fmt::format(", with a seed that is higher by {}", baked.seed_offset)
+                              : "")
+            : "it is baked, " + why_not_better(finer, first));
   }
   std::string text =
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",

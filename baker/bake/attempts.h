@@ -26,12 +26,13 @@ namespace paperbake {
 /// from where it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame),
 /// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold and the
 /// mesh may be too coarse, the shot is simulated once more on a first mesh of four times as many
-/// triangles, with the seed of the bake, until a sheet gets as many singular points there as in the
-/// first attempt, or crumples. If none does and the handles hold, this attempt is baked. If none
-/// does but a handle is off, the finer mesh is tried once more, with another seed. A shot whose
-/// first mesh a rehearsal has made finer is not doubted in this way. Nor is one that is baked in
-/// part: its frames would depend on which part that is, and a message says that the whole shot may
-/// come out otherwise.
+/// triangles, with the seed of the bake. It ends when a sheet crumples there, or gets as many
+/// singular points as the sheet that had most in the first attempt, if there were any. If none does
+/// and the handles hold, this attempt is baked. If none does but a handle is off, and the first
+/// attempt was smooth, the finer mesh is tried once more, with another seed, where three attempts
+/// are allowed. A shot whose first mesh a rehearsal has made finer is not doubted in this way. Nor
+/// is one that is baked in part: its frames would depend on which part that is, and a message says
+/// that the whole shot may come out otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -80,6 +81,7 @@ class Attempts {
     bool may_be_sharp = false;
   };
   BakePlan plan_of(std::size_t attempt) const;
+  BakeSettings settings_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
   bool is_coarse() const;
   bool is_mesh_doubted() const;
@@ -90,7 +92,7 @@ class Attempts {
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
   std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
-  /// Whether a finer mesh whose sheet does not crumple loses a handle: with another seed it may not.
+  /// Whether smooth paper loses a handle on a finer mesh: another seed may hold it.
   bool may_another_seed_do(const Candidate& finer) const;
   std::string why_tried(const Attempt& before) const;
   void remove_attempts() const;

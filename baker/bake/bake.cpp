@@ -11,7 +11,6 @@
 #include "baker/output/output_folder.h"
 #include "core/model/error.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <optional>
 
@@ -77,13 +76,13 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
                                    Attempts& attempts) {
   const BakePlan& plan = attempts.plan();
   const bool resumable = can_resume(plan), kept = can_keep(plan);
-  FrequentMessage frequent;
+  std::optional<FrequentMessage> frequent;  // from when it simulates on
   std::vector<AnimateOptions> options = options_of_sheets(plan);
   for (AnimateOptions& of_sheet : options) {
     // a later bake that resumes may want maps
     of_sheet.report_plastic_curvature = kept || pipeline.needs_plastic_curvature();
     of_sheet.asks_to_stop = [&] {
-      if (frequent.is_due())
+      if (frequent && frequent->is_due())
         progress.message("The opening of the shot is rehearsed, to find a mesh on which it bends.");
       return stop.is_made();
     };
@@ -99,6 +98,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
   std::optional<Error> failure;
   try {
+    frequent.emplace();
     if (first <= plan.animation.last_frame && !attempts.is_failing())
       simulate(
           plan, options, settings.threads,
@@ -217,14 +217,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
 
 void print_warnings(const BakePlan& plan, Progress& progress) {
   for (const std::string& warning : plan.warnings) progress.warning(warning);
-  constexpr std::size_t told = 3;  // one cause often has many pairs
-  for (std::size_t k = 0; k < std::min(told, plan.impossible.size()); ++k)
-    progress.warning(describe(plan.impossible[k]));
-  if (const std::size_t all = plan.impossible.size(); all > told)
-    progress.warning(fmt::format(
-        "{} more {} of handles {} for more than paper can reach, by less: paperbake inspect lists "
-        "them.",
-        all - told, all == told + 1 ? "pair" : "pairs", all == told + 1 ? "asks" : "ask"));
+  for (const UnreachablePairOfSheet& pair : plan.impossible) progress.warning(describe(pair));
 }
 
 BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& plan,

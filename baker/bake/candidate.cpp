@@ -59,11 +59,10 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   }
 }
 
-Candidate::Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, int points,
-                     CandidateFolder folder, StopRequest& stop, StageClock& clock)
+Candidate::Candidate(BakePlan plan, const Attempt& known, Comparison by, CandidateFolder folder,
+                     StopRequest& stop, StageClock& clock)
     : plan_(std::move(plan)),
-      reason_(reason),
-      points_(points),
+      by_(by),
       folder_(std::move(folder)),
       clock_(clock),
       shown_{known},
@@ -87,8 +86,8 @@ bool Candidate::is_hopeless(const State& state) const {
 double Candidate::badness(const State& state) const {
   const Attempt& known = state.attempt;
   const bool is_no_better =
-      reason_ != AttemptReason::handle_off &&
-      (known.points >= points_ || known.coarse || known.off > tolerance_of_attempts());
+      by_.reason != AttemptReason::handle_off &&
+      (known.points >= by_.points || known.coarse || known.off > tolerance_of_attempts());
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
                                       : std::max(state.attempt.off, tolerance_of_attempts());
 }

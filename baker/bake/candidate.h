@@ -23,6 +23,12 @@ struct CandidateFolder {
   int checkpoint_every = 12;
 };
 
+/// How attempts are compared.
+struct Comparison {
+  AttemptReason reason;  // why they are
+  int points;  // with so many singular points, born in a sheet, one is no better than the first
+};
+
 /// An attempt that is being simulated. It may be simulated ahead of what is known() of it, on
 /// another thread. Only what show_frame() has shown counts, so that a choice among candidates does
 /// not depend on the number of threads.
@@ -30,10 +36,8 @@ class Candidate {
  public:
   /// plan    of the attempt
   /// known   of it before: of its first known.frames frames
-  /// reason  why attempts are compared
-  /// points  with so many singular points that were born in a sheet it is no better than the first
-  Candidate(BakePlan plan, const Attempt& known, AttemptReason reason, int points, CandidateFolder,
-            StopRequest&, StageClock&);
+  Candidate(BakePlan plan, const Attempt& known, Comparison, CandidateFolder, StopRequest&,
+            StageClock&);
 
   const Attempt& known() const { return shown_.attempt; }
   /// Whether it has shown a frame.
@@ -80,8 +84,7 @@ class Candidate {
   void add(const AnimatedFrame&, std::vector<State>&);
 
   BakePlan plan_;
-  AttemptReason reason_;
-  int points_;
+  Comparison by_;
   CandidateFolder folder_;
   StageClock& clock_;
   State shown_, ahead_;

@@ -40,17 +40,26 @@ int base_wanted(const BakeSettings& settings) {
   return std::min(settings.base_triangles, max_triangles);
 }
 
+int first_triangles(const BakeSettings& settings, const Pattern& pattern) {
+  const int wanted = base_wanted(settings);
+  if (settings.given.count("base_triangles") > 0 || settings.triangles) return wanted;
+  const double finer = double(wanted) / BakeSettings{}.base_triangles;
+  const int in_two_rows = static_cast<int>(finer * triangles_in_two_rows(pattern));
+  return std::clamp(in_two_rows, wanted, std::max(wanted, CrumpleOptions{}.max_first_triangles));
+}
+
 MethodChoice make_method(const BakeSettings& settings, const Shot& shot, unsigned seed,
                          std::size_t sheet) {
   if (settings.method == "fem") return fem(triangles_wanted(settings));
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
   options.singular_point_rules = shot.singular_point_rules;
-  options.max_triangles = triangles_wanted(settings);
+  const int first = first_triangles(settings, shot.pattern);
+  options.max_triangles =
+      settings.triangles.value_or(std::max(triangles_wanted(settings), 2 * first));
   options.max_first_triangles =
       settings.triangles.value_or(std::max(options.max_first_triangles, options.max_triangles));
-  return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed,
-                static_cast<std::uint32_t>(sheet));
+  return hybrid(shot.pattern, shot.paper, first, options, seed, static_cast<std::uint32_t>(sheet));
 }
 
 Polishing decided_polishing(const BakeSettings& settings) {

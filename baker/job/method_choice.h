@@ -28,6 +28,11 @@ int triangles_wanted(const BakeSettings&);
 /// throws  Error(ErrorCode::command) when --base-triangles asks for more
 int base_wanted(const BakeSettings&);
 
+/// Number of triangles of the first mesh of a sheet, where neither handles nor a rehearsal ask for
+/// more. If no number was asked for, a strip gets more than others, so that two rows stand across
+/// it, and as many times more as the settings have more than their default.
+int first_triangles(const BakeSettings&, const Pattern&);
+
 /// The method that simulates one sheet of a bake.
 /// sheet  its number in the scene, from 0: sheets of the same seed differ in what is random
 MethodChoice make_method(const BakeSettings&, const Shot&, unsigned seed, std::size_t sheet);

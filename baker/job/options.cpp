@@ -150,10 +150,10 @@ std::vector<Option> scene_and_method() {
                       "many triangles, keeping the shape that the method found; 0 turns it off. "
                       "Default: 0; 6,000 for hybrid with --quality hero",
                       to_whole(&BakeSettings::polish)),
-      with_default(
-          {"base_triangles", K::whole, 2, 20000}, "120",
-          "Triangles of the mesh that hybrid starts with. A strip gets more: two rows across",
-          to_whole(&BakeSettings::base_triangles)),
+      with_default({"base_triangles", K::whole, 2, 20000}, "120",
+                   "Triangles of the mesh that hybrid starts with. Without it, a strip has more: "
+                   "two rows across",
+                   to_whole(&BakeSettings::base_triangles)),
       without_default({"accuracy", K::number, above_zero}, "0.3",
                       "Choose the triangles so that nine of ten frames are estimated to be within "
                       "this many percent of the longer side of where finer meshes would have them. "
@@ -213,9 +213,9 @@ std::vector<Option> meshes_and_physics() {
           {"attempts", K::whole, 1, 16}, "4",
           "How many attempts there are at most when a handle of the first one is off by more "
           "than 1 mm: other seeds, on first meshes of 2 and 4 times as many triangles in turn. "
-          "The best is baked. Where handles hold, but the paper crumples, gets singular points, or "
-          "its triangles put it off visibly, a second attempt on 4 times as many is baked if it "
-          "does better there. "
+          "The best is baked. Where handles hold, but the paper gets singular points, or its "
+          "triangles put it off visibly, a second attempt on 4 times as many is baked if it does "
+          "better there, or a third with another seed if smooth paper loses a handle there. "
           "1: neither of both (method hybrid)",
           to_whole(&BakeSettings::attempts)),
       without_default(

@@ -45,6 +45,10 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
     for (UnreachablePair& pair : all_impossible_pairs(
              shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+  std::stable_sort(plan.impossible.begin(), plan.impossible.end(),
+                   [](const UnreachablePairOfSheet& a, const UnreachablePairOfSheet& b) {
+                     return a.pair.apart - a.pair.allowed > b.pair.apart - b.pair.allowed;
+                   });
   if (!settings.strict || plan.impossible.empty()) return;
   const UnreachablePair& pair = plan.impossible.front().pair;
   throw Error(ErrorCode::scene,

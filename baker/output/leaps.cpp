@@ -95,7 +95,9 @@ std::string describe(const std::vector<Leap>& all_leaps) {
   // paper without inertia has no speed, and is in its other shape at once
   return sentence +
          fmt::format(". If it shows, try {}more --base-triangles, or slower keys.",
-                     longest.inertia ? "" : "--dynamics on, with which a snap takes time, ");
+                     longest.inertia
+                         ? ""
+                         : "--dynamics on without --polish, with which a snap takes time, ");
 }
 
 }  // namespace paperbake

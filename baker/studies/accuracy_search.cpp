@@ -15,8 +15,8 @@ namespace {
 constexpr double kept_share = 0.9;  // [1] of the frames that must keep the accuracy
 // [1] of the error that a mesh of twice as many triangles keeps, at most
 constexpr double least_gain = 0.75;
-// [%] of the longer side, by which results on finer meshes part; whatever accuracy is asked for, or
-// a coarser mesh could be chosen for a higher one
+// [%] of the longer side, by which results on finer meshes part. The same whatever accuracy is
+// asked for: frames that counted for one and not for another would get it a finer mesh.
 constexpr double noticeable = 0.1;
 constexpr double size_exponent = 1.3;  // CPU time ~ size^1.3, to tell whether a budget is enough
 

@@ -24,15 +24,6 @@ PatternMesh first_mesh_with(const Pattern& pattern, const FirstLattice& lattice,
              : mesh_pattern_with(pattern, lattice.triangles, points, lattice.turn);
 }
 
-/// The number of equilateral triangles that stand in two rows across the sheet. A single row, as a
-/// narrow strip would have it, is a zigzag: its hinges all lean to one side and then to the other,
-/// and couple bending with twist. (A tissue strip of 1000 x 30 mm that hangs and is waved strayed
-/// sideways by 115 mm on one row.)
-int triangles_in_two_rows(const Pattern& pattern) {
-  const double height = mean_width(pattern) / 2, of_one = height * height / std::sqrt(3.0);
-  return static_cast<int>(std::ceil(area(pattern) / of_one));
-}
-
 BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
   BentParts parts;
   for (const Ruling& ruling : crumple.rulings()) parts.rulings.emplace_back(ruling.a, ruling.b);
@@ -60,8 +51,6 @@ class Hybrid : public Method {
   PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     pattern_ = pattern;
     points_ = points;
-    lattice_.triangles = std::max(lattice_.triangles,
-                                  std::min(triangles_in_two_rows(pattern), max_first_triangles_));
     return base_mesh();
   }
   std::optional<PatternMesh> finer_mesh() override {
@@ -165,6 +154,11 @@ class Hybrid : public Method {
 };
 
 }  // namespace
+
+int triangles_in_two_rows(const Pattern& pattern) {
+  const double height = mean_width(pattern) / 2, of_one = height * height / std::sqrt(3.0);
+  return static_cast<int>(std::ceil(area(pattern) / of_one));
+}
 
 MethodChoice hybrid(const Pattern& pattern, const Paper& paper, const FirstLattice& lattice,
                     const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet) {

@@ -120,7 +120,16 @@ double longer_side(const Pattern& pattern) { return extent(pattern).maxCoeff(); 
 
 double shorter_side(const Pattern& pattern) { return extent(pattern).minCoeff(); }
 
-double mean_width(const Pattern& pattern) { return area(pattern) / longer_side(pattern); }
+double mean_width(const Pattern& pattern) {
+  const auto farthest_from = [&](const Vector2d& from) {
+    return *std::max_element(pattern.outline.begin(), pattern.outline.end(),
+                             [&](const Vector2d& p, const Vector2d& q) {
+                               return (p - from).squaredNorm() < (q - from).squaredNorm();
+                             });
+  };
+  const Vector2d end = farthest_from(pattern.outline.front());
+  return area(pattern) / (farthest_from(end) - end).norm();
+}
 
 double area(const Pattern& pattern) {
   double sum = signed_area(pattern.outline);

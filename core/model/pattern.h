@@ -17,7 +17,9 @@ struct Pattern {
 Vector2d extent(const Pattern&);      // [m] width and height of the bounding box
 double longer_side(const Pattern&);   // [m] one unit of the render uv
 double shorter_side(const Pattern&);  // [m]
-/// [m] Area over longer side: the shorter side of a rectangle; of other outlines the mean one across.
+/// [m] Area over length, which is the distance of two points of the outline that lie far apart: for
+/// a strip its width, wherever it points to. Of a ring or a spiral it tells nothing: these are
+/// longer than any straight line in them.
 double mean_width(const Pattern&);
 double area(const Pattern&);  // [m2] without the holes
 

@@ -200,7 +200,8 @@ RenderSurface make_render_surface(const Pattern& pattern, const RenderFeatures& 
   constexpr int max_triangles = 400000;
   // [m] length of an edge on a sheet of this longer side, as --quality has it; hero halves it
   constexpr double draft = 0.005, shot = 0.002, of_side = 0.2;
-  constexpr double slender = 12.5;  // [1] a shot has at least eight edges across
+  // [1] length over width of a sheet from which the width counts: a shot has eight edges across
+  constexpr double slender = 12.5;
   const double side = std::min(longer_side(pattern), slender * mean_width(pattern));
   const double edge = (quality == Quality::draft ? draft : shot) * side / of_side;
   const int refine = quality == Quality::hero ? 1 : 0;

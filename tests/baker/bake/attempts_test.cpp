@@ -80,14 +80,18 @@ TEST(Attempt, CountsThePointsThatWereBornAndNotThoseThatTheArtistAskedFor) {
   plan.animation.first_frame = 5;
   AnimatedFrame frame = frame_with_handles_off(9, 0, 0);
   Sheet sheet;
-  sheet.singular = {{{0, 0}, 5, "rule"}, {{0.1, 0}, 8, "conflict"}};
+  sheet.singular = {{{0, 0}, 5, "kept here"}, {{0.1, 0}, 8, "bends in two directions"}};
   frame.sheet = &sheet;
   Attempt attempt;
   add_frame(attempt, frame, plan);
   EXPECT_EQ(attempt.points, 1);
-  sheet.singular.clear();
+  plan.shots.push_back(plan.shots.front());
+  Sheet other;
+  other.singular.assign(2, {{0.1, 0}, 7, "bends in two directions"});
+  frame.sheet_index = 1;
+  frame.sheet = &other;
   add_frame(attempt, frame, plan);
-  EXPECT_EQ(attempt.points, 1) << "of the sheet that has most";
+  EXPECT_EQ(attempt.points, 2) << "of the sheet that has most";
 }
 
 TEST(Attempt, DoesNotCountAHandleThatHoldsNothing) {
@@ -164,7 +168,7 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
             std::string::npos)
       << "its simulation has failed";
   choice.tried.push_back(finer);
-  choice.tried[1].crumpled = true;
+  choice.tried[1].points = 3;
   EXPECT_NE(describe(choice).find("it is baked, because the paper crumples on one of 480, too"),
             std::string::npos);
   choice.reason = AttemptReason::coarse;

@@ -1,6 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/input_hash.h"
+#include "baker/job/method_choice.h"
 #include "baker/job/plan_warnings.h"
 #include "core/model/error.h"
 #include "tests/core/test_meshes.h"
@@ -205,6 +206,22 @@ TEST(PlanTest, SheetsThatPassThroughEachOtherInTheFirstFrameAreTold) {
   warn_of_sheets_in_each_other(plan);
   ASSERT_EQ(plan.warnings.size(), 1u);
   EXPECT_EQ(plan.warnings[0].rfind("The sheets \"paper\" and \"letter\" pass through", 0), 0u);
+}
+
+TEST(Plan, AStripBeginsWithTwoRowsOfTrianglesUnlessANumberIsAskedFor) {
+  const Pattern page = test::rectangle(0.2, 0.3), strip = test::rectangle(1, 0.03);
+  BakeSettings settings;
+  EXPECT_EQ(first_triangles(settings, page), 120);
+  const int in_two_rows = first_triangles(settings, strip);
+  // each is as high as half the strip: 15 mm x 17.3 mm / 2
+  EXPECT_NEAR(in_two_rows, 1 * 0.03 / (0.015 * 0.0173 / 2), 2);
+  settings.base_triangles *= 4;  // as other attempts and an accuracy have it
+  EXPECT_EQ(first_triangles(settings, page), 480);
+  EXPECT_NEAR(first_triangles(settings, strip), 4 * in_two_rows, 4);
+  EXPECT_EQ(first_triangles(settings, test::rectangle(1, 0.001)), 2000) << "no more than that";
+  settings.base_triangles = 60;
+  settings.given["base_triangles"] = {"60", Origin::command};
+  EXPECT_EQ(first_triangles(settings, strip), 60);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "tests/core/test_shots.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -121,6 +122,14 @@ TEST(PatternTest, PointsSlightlyOutsideAreMovedToTheBorder) {
   const double rounding = 1e-8;  // of a 32-bit file
   EXPECT_NEAR(paper_distance(square(0.1), {-rounding, 0.03}, {-rounding, 0.07}), 0.04, exact);
   EXPECT_NEAR(paper_distance(ell(), {0.2, 0.1 + rounding}, {0.1 + rounding, 0.2}), 0.2, 1e-7);
+}
+
+TEST(PatternTest, TheMeanWidthOfAStripIsItsWidthWhereverItPointsTo) {
+  EXPECT_NEAR(mean_width(test::rectangle(1, 0.03)), 0.03, 1e-4);
+  Pattern slanted;
+  for (const Vector2d& p : test::rectangle(1, 0.03).outline)
+    slanted.outline.push_back(Eigen::Rotation2Dd(0.7) * p);
+  EXPECT_NEAR(mean_width(slanted), mean_width(test::rectangle(1, 0.03)), 1e-12);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -47,6 +48,17 @@ double normals_off(const Rendered& r) {
     count += 1;
   }
   return sum / count * 180 / M_PI;
+}
+
+TEST(RenderSurfaceTest, AStripHasEightEdgesAcrossInAShot) {
+  const RenderSurface strip =
+      make_render_surface(test::rectangle(0.5, 0.01), {}, 0.01, Quality::shot);
+  const Points2& pattern = strip.mesh().pattern;
+  std::set<long> rows;
+  for (int v = 0; v < pattern.rows(); ++v)
+    if (pattern(v, 0) == 0) rows.insert(std::lround(1e6 * pattern(v, 1)));
+  EXPECT_GE(rows.size(), 8u);
+  EXPECT_LE(rows.size(), 11u);
 }
 
 TEST(RenderSurfaceTest, ShowsACoarseRollAsASmoothRoll) {

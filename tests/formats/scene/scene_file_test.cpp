@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -76,6 +77,21 @@ TEST(SceneFile, ASceneWithoutSheetOrHandleIsAnError) {
   bare.mesh("paper", grid(2, 2, 0.2, 0.2));
   bare.node("grip", {0, 0, 0});
   EXPECT_ERROR(bare.write("bare.gltf"), "has no handle");
+}
+
+TEST(SceneFile, SheetsThatNothingHoldsAreToldInOneSentence) {
+  HeldSheet fixture;
+  fixture.mesh("paper.leaf", grid(2, 2, 0.1, 0.1));
+  EXPECT_TRUE(has_warning(read_scene(fixture.write("leaf.gltf")),
+                          "The sheet \"paper.leaf\" has no handle: nothing holds it."));
+  fixture.mesh("paper.other", grid(2, 2, 0.1, 0.1));
+  const Scene scene = read_scene(fixture.write("leaves.gltf"));
+  EXPECT_TRUE(has_warning(scene,
+                          "2 sheets have no handle, nothing holds them: \"paper.leaf\", "
+                          "\"paper.other\"."));
+  EXPECT_EQ(std::count_if(scene.warnings.begin(), scene.warnings.end(),
+                          [](const std::string& w) { return w.find("nothing holds") != w.npos; }),
+            1);
 }
 
 // Of two takes that move a node, the one in which it was exported is used, even if the other has
