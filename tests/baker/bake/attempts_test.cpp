@@ -380,10 +380,25 @@ TEST_F(AttemptsTest, AFinerMeshThatLosesAHandleIsTriedWithAnotherSeed) {
   EXPECT_EQ(attempts.at("tried").at(2).at("base_triangles"), 480);
   EXPECT_LT(attempts.at("tried").at(2).at("off_mm"), 1);
   EXPECT_EQ(times(ended.err, "is tried"), 2) << ended.err;
-  // a bake that goes on has the same choice
+  // a bake that makes more of the same frames has the same choice
   const Ended again = run(shot_of(violent("two_rolls"), "out", {"--map-frames", "1"}));
   EXPECT_EQ(times(again.err, "is tried"), 0) << again.err;
   EXPECT_EQ(summary("out").at("attempts"), attempts);
+}
+
+TEST_F(AttemptsTest, ABakeThatIsKilledWhileItTriesAnotherSeedComesOutAsAnother) {
+  const auto rolls = [&](const std::string& out, const Words& more) {
+    return shot_of(violent("two_rolls"), out, more);
+  };
+  run(rolls("whole", {"--threads", "1"}));
+  EXPECT_EQ(bake_until(1, 100, SIGKILL, rolls("out", {}), "attempt 3 of 3 is tried"), -1);
+  run(rolls("out", {"--threads", "3"}));
+  expect_same("out", "whole");
+  EXPECT_EQ(summary("out").at("attempts"), summary("whole").at("attempts"));
+  // who allows two attempts gets no third
+  run(rolls("two", {"--attempts", "2"}));
+  EXPECT_EQ(summary("two").at("attempts").at("tried").size(), 2u);
+  EXPECT_EQ(summary("two").at("attempts").at("baked"), 1);
 }
 
 TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
