@@ -59,7 +59,7 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
 }
 
-BakePipeline::~BakePipeline() { tasks_.wait(); }
+BakePipeline::~BakePipeline() { tasks_.abandon(); }
 
 bool BakePipeline::needs_plastic_curvature() const {
   return context_.settings.formats.count("maps") > 0 || context_.plan.guides ||

@@ -15,18 +15,18 @@ std::shared_future<void> TaskQueue::start(std::function<void()> task) {
   for (; started_.size() >= max_waiting; started_.pop_front()) started_.front().wait();
   std::shared_future<void> before;
   if (!started_.empty()) before = started_.back();
-  started_.push_back(
-      std::async(policy_, [before = std::move(before), task = std::move(task)]() mutable {
-        if (before.valid()) before.wait();
-        before = {};
-        const std::function<void()> own = std::move(task);
-        own();
-      }).share());
-  if (policy_ == std::launch::deferred) started_.back().wait();
+  started_.push_back(std::async(policy_, [before = std::move(before), task = std::move(task),
+                                          abandoned = abandoned_]() mutable {
+                       if (before.valid()) before.wait();
+                       before = {};
+                       const std::function<void()> own = std::move(task);
+                       if (!*abandoned) own();
+                     }).share());
   return started_.back();
 }
 
-void TaskQueue::wait() {
+void TaskQueue::abandon() {
+  *abandoned_ = true;
   for (const std::shared_future<void>& task : started_) task.wait();
 }
 

@@ -37,6 +37,30 @@ TEST_P(TaskQueueTest, WhatATaskThrowsItsFutureThrowsAndTheOthersAreDone) {
   EXPECT_TRUE(done);
 }
 
+TEST_P(TaskQueueTest, AbandonedTasksAreNotDone) {
+  std::atomic<bool> may_end = false;
+  std::atomic<int> begun = 0;
+  {
+    TaskQueue queue(GetParam());
+    std::vector<std::shared_future<void>> futures;
+    for (int k = 0; k < 3; ++k)
+      futures.push_back(queue.start([&] {
+        ++begun;
+        while (!may_end) std::this_thread::yield();
+      }));
+    if (GetParam() > 1)
+      while (begun == 0) std::this_thread::yield();
+    std::thread later([&] { may_end = true; });
+    queue.abandon();
+    later.join();
+    for (auto& future : futures)
+      EXPECT_EQ(future.wait_for(std::chrono::seconds(0)), std::future_status::ready);
+  }
+  if (GetParam() == 1) {
+    EXPECT_EQ(begun, 0);
+  }
+}
+
 TEST(TaskQueueTest, WithSeveralThreadsTheCallerGoesOnMeanwhile) {
   TaskQueue queue(2);
   std::atomic<bool> caller_went_on = false;
