@@ -296,7 +296,7 @@ std::string Attempts::key() const {
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried)
-    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.crumpled, t.points});
+    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.points});
   write_atomically(decision_, json_line({{"key", key()},
                                          {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
@@ -321,8 +321,7 @@ bool Attempts::load_choice() {
       attempt.off_pct = of_attempt.at(1);
       attempt.frame = of_attempt.at(2);
       attempt.frames = of_attempt.at(3);
-      attempt.crumpled = of_attempt.at(4);
-      attempt.points = of_attempt.at(5);
+      attempt.points = of_attempt.at(4);
       choice.tried.push_back(attempt);
     }
   } catch (const std::exception&) {

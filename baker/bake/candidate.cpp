@@ -39,7 +39,6 @@ double tolerance_of_attempts() { return 1e-3 * Gates{}.handle_err_mm; }
 void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
   const Shot& shot = plan.shots[frame.sheet_index];
   const double side = longer_side(shot.pattern);
-  attempt.crumpled |= is_crumpled(*frame.sheet);
   const auto born = std::count_if(
       frame.sheet->singular.begin(), frame.sheet->singular.end(),
       [&](const SingularPoint& p) { return p.frame_of_birth > plan.animation.first_frame; });

@@ -105,7 +105,7 @@ class Candidate {
 double tolerance_of_attempts();
 
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
-/// whether its sheet is crumpled, and the singular points that were born in it.
+/// and the singular points that were born in its sheet.
 /// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in
 /// which the sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand
 /// stronger.

@@ -18,13 +18,12 @@ struct Attempt {
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
   // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.
-  double off = 0;         // [m] by which attempts are compared
-  double off_pct = 0;     // [% of the longer side of its sheet]
-  int frame = 0;          // in which it is
-  int frames = 0;         // that were simulated
-  bool coarse = false;    // whether it is doubted because of its coarse triangles
-  bool crumpled = false;  // whether a sheet is (core/model/sheet.h)
-  int points = 0;         // singular points that were born in a sheet, at most
+  double off = 0;       // [m] by which attempts are compared
+  double off_pct = 0;   // [% of the longer side of its sheet]
+  int frame = 0;        // in which it is
+  int frames = 0;       // that were simulated
+  bool coarse = false;  // whether it is doubted because of its coarse triangles
+  int points = 0;       // singular points that were born in a sheet, at most
 };
 
 /// Which attempt of a shot is baked, and which were tried.

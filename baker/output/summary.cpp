@@ -237,7 +237,7 @@ Json attempts_json(const BakePlan& plan) {
     tried.push_back({{"seed_offset", t.seed_offset},
                      {"base_triangles", t.base_triangles},
                      {"frames", t.frames},
-                     {"crumpled", t.crumpled},
+                     {"crumpled", t.points >= points_of_a_crumple},
                      {"points", t.points},
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},

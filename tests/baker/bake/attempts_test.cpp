@@ -62,19 +62,6 @@ TEST(Attempt, IsMadeAgainOnlyWhereAHandleHasMoved) {
   EXPECT_TRUE(have_moved(handles, 9)) << "and stays there";
 }
 
-TEST(Attempt, IsCrumpledFromTheThirdSingularPointOn) {
-  AnimatedFrame frame = frame_with_handles_off(1, 0, 0);
-  Sheet sheet;
-  sheet.singular.resize(2);
-  frame.sheet = &sheet;
-  Attempt attempt;
-  add_frame(attempt, frame, plan_of_one_sheet());
-  EXPECT_FALSE(attempt.crumpled);
-  sheet.singular.resize(3);
-  add_frame(attempt, frame, plan_of_one_sheet());
-  EXPECT_TRUE(attempt.crumpled);
-}
-
 TEST(Attempt, CountsThePointsThatWereBornAndNotThoseThatTheArtistAskedFor) {
   BakePlan plan = plan_of_one_sheet();
   plan.animation.first_frame = 5;
@@ -153,7 +140,6 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   choice.reason = AttemptReason::crumpled;
   Attempt first, finer;
   first.base_triangles = 120;
-  first.crumpled = true;
   first.points = 3;
   finer.base_triangles = 480;
   choice.tried = {first, finer};
@@ -172,7 +158,6 @@ TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   EXPECT_NE(describe(choice).find("it is baked, because the paper crumples on one of 480, too"),
             std::string::npos);
   choice.reason = AttemptReason::coarse;
-  choice.tried[0].crumpled = false;
   choice.tried[0].points = 0;
   EXPECT_EQ(describe(choice),
             "attempts: a first mesh of 120 triangles puts the smooth paper off visibly; it "

@@ -224,5 +224,23 @@ TEST(Plan, AStripBeginsWithTwoRowsOfTrianglesUnlessANumberIsAskedFor) {
   EXPECT_EQ(first_triangles(settings, strip), 60);
 }
 
+TEST(Plan, TheWorstImpossiblePairOfAllSheetsComesFirst) {
+  BakePlan plan;
+  for (const double over : {0.01, 0.03, 0.02}) {
+    Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
+    shot.sheet_name = "paper." + std::to_string(plan.shots.size());
+    shot.handles = {test::bare_handle("handle.left", {0, 0}, 3),
+                    test::bare_handle("handle.right", {0.1, 0}, 3)};
+    shot.handles[1].keyed.col(0).array() += over;
+    plan.shots.push_back(shot);
+  }
+  plan.animation.first_frame = 1;
+  plan.animation.last_frame = 3;
+  find_impossible_handles({}, plan);
+  std::vector<std::string> sheets;
+  for (const UnreachablePairOfSheet& pair : plan.impossible) sheets.push_back(pair.sheet);
+  EXPECT_EQ(sheets, (std::vector<std::string>{"paper.1", "paper.2", "paper.0"}));
+}
+
 }  // namespace
 }  // namespace paperbake
