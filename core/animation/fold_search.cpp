@@ -9,7 +9,6 @@ namespace paperbake {
 namespace {
 
 constexpr std::size_t most_past_steps = 8;
-constexpr int most_halvings = 8;  // of a frame with inertia
 
 void archive_motion(Serializer& a, ColliderMotion& motion, const Colliders& colliders) {
   archive_shapes(a, motion.from, colliders);
@@ -97,7 +96,8 @@ void FoldSearch::archive(Serializer& a) {
     a(step.sheet, step.grid, load.input.constraints, load.input.time, load.dt, load.relative_motion,
       load.row, load.halvings);
     archive_motion(a, load.input.colliders, *colliders);
-    a.require(load.dt > 0 && load.row >= 0 && load.halvings >= 0 && load.halvings <= most_halvings);
+    a.require(load.dt > 0 && load.row >= 0 && load.halvings >= 0 &&
+              load.halvings <= max_halvings_for_inertia);
     for (const PositionConstraint& c : load.input.constraints)
       a.require(c.vertex >= 0 && c.vertex < step.sheet.x.rows());
   }

@@ -9,7 +9,7 @@ HandleConstraints::HandleConstraints(const Shot& shot, std::vector<int> vertices
     : handles_(shot.handles),
       vertex_(std::move(vertices)),
       first_frame_(first_frame),
-      exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))),
+      jammed_beyond_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))),
       grip_(grip_on(shot.paper)),
       feasibility_(shot.pattern, shot.handles),
       offset_(shot.handles.size()) {}
@@ -46,16 +46,18 @@ PositionConstraints HandleConstraints::held(int frame) const {
     // sum of the targets; for soft handles of stiffness x target
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     double weight = 0, stiffness = 0;
+    bool is_hard = false;
   };
   std::map<int, Pull> by_vertex;
   for (std::size_t k = 0; k < hard.size(); ++k) {
     Pull& pull = by_vertex[vertex_[hard[k]]];
     pull.sum += targets.row(k);
     pull.weight += 1;
+    pull.is_hard = true;
   }
   for (const int h : soft) {
     Pull& pull = by_vertex[vertex_[h]];
-    if (pull.weight > pull.stiffness) continue;  // held by a hard handle
+    if (pull.is_hard) continue;
     pull.sum += handles_[h].stiffness * keyed(h, frame).transpose();
     pull.weight = pull.stiffness += handles_[h].stiffness;
   }
@@ -74,7 +76,7 @@ std::vector<HandleFrame> HandleConstraints::report(const Points3& x, int frame) 
     frames[h].state = HandleFrame::held;
     if (handles_[h].stiffness > 0)
       frames[h].state = HandleFrame::soft;
-    else if (frames[h].error() > exact_)
+    else if (frames[h].error() > jammed_beyond_)
       frames[h].state = HandleFrame::jammed;
   }
   return frames;

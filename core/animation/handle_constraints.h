@@ -35,8 +35,8 @@ class HandleConstraints {
   const std::vector<Handle>& handles_;
   std::vector<int> vertex_;
   int first_frame_;
-  double exact_;  // [m] a handle farther from its target than this is jammed
-  double grip_;   // [1] grip_on the paper
+  double jammed_beyond_;  // [m] a hard handle farther from its target than this is jammed
+  double grip_;           // [1] grip_on the paper
   HandleFeasibility feasibility_;
   // [m] what is added to the keyed position of a relative handle; none: it is not bound yet
   std::vector<std::optional<Vector3d>> offset_;

@@ -54,9 +54,8 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
   const double rise = settled.potential - stored.potential;
   MeshSwapResult verdict;
   verdict.rise = rise / std::max(stored.energy, noise);
-  verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(),
-                          (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
-                 side;
+  verdict.move =
+      std::max(max_row_norm(proposal.x - carried), max_row_norm(back(proposal.x) - sheet.x)) / side;
   const double fold = mean_square_fold(sheet);
   const bool coarse = settled.on_colliders > 0 && fold > fold_that_holds,
              off = coarse || verdict.rise <= too_stiff;

@@ -30,11 +30,10 @@ double max_displacement(const Sheet& sheet, const StepInput& now,
                         const PositionConstraints& held_before, const Points3& before) {
   const PositionConstraints& held = now.constraints;
   if (vertices_of(held) != vertices_of(held_before)) return std::numeric_limits<double>::infinity();
-  double most =
-      held.empty() ? 0 : (targets_of(held) - targets_of(held_before)).rowwise().norm().maxCoeff();
+  double most = held.empty() ? 0 : max_row_norm(targets_of(held) - targets_of(held_before));
   most = std::max(most, farthest_move(now.colliders.from, now.colliders.to));
   if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
-  return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
+  return std::max(most, max_row_norm(sheet.x - before));
 }
 
 double farthest_target_move(const PositionConstraints& before, const PositionConstraints& now) {
@@ -77,7 +76,7 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
   if (max_row_norm(moved(nearest_rigid_motion(from, to), from) - to) <= rounding_of_handles)
     return 0;
   const Points3 moves = to - from;
-  return (moves.rowwise() - moves.colwise().mean().eval()).rowwise().norm().maxCoeff();
+  return max_row_norm(moves.rowwise() - moves.colwise().mean().eval());
 }
 
 double rms_deformation(const Points3& before, const Points3& now) {

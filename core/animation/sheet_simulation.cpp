@@ -21,7 +21,6 @@ namespace {
 
 // [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double max_inertial_step = 1 / 96.0;
-constexpr int max_halvings_for_inertia = 8;
 // [1] of the longer side: with less motion than this nothing is solved
 constexpr double sleep_threshold = 1e-5;
 
@@ -52,9 +51,13 @@ double fold_integral(const Sheet& sheet) {
 double finish(const Method& method, Sheet& sheet, const StepInput& input, const Elastic& elastic,
               const ElasticReport& step) {
   const auto inside = [&](const Sheet& any) { return elastic.inside(any, input.colliders.to); };
+  const auto adds_crossings = [&](const Sheet& finished) {
+    const CrossingCounter crossings_at(sheet.pattern, sheet.triangles);
+    return crossings_at(finished.x) > crossings_at(sheet.x);
+  };
   Sheet finished = sheet;
   if (!method.finish(finished, vertices_of(input.constraints)) ||
-      (step.touching > 0 && crossings(finished) > crossings(sheet)))
+      (step.touching > 0 && adds_crossings(finished)))
     return inside(sheet);
   const double depth = inside(finished);
   if (depth > std::max(step.inside, tolerated_depth)) return inside(sheet);
@@ -208,7 +211,6 @@ int SheetSimulation::halvings_of_part() const {
 }
 
 int SheetSimulation::parts_of_frame() const {
-  constexpr int most = 16;
   if (frame_ == options_.first_frame) return 1;
   const int parts = method_->load_parts(sheet(), std::max(now_.relative_motion, now_.squeeze));
   if (joined_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on())
@@ -217,7 +219,7 @@ int SheetSimulation::parts_of_frame() const {
   // conflict has to last
   const double by_handles =
       now_.relative_motion > max_handle_motion ? now_.relative_motion / severe_persistence : 1;
-  return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
+  return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most_load_parts));
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
@@ -376,8 +378,7 @@ void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
   const BranchSearch found = probe_branches(simulated_.sheet, simulated_.elastic, resting_input_,
                                             {1 / options_.fps, options_.seed, frame_});
   if (found.taken || found.finished) {
-    if (!is_admissible(as_it_was.sheet, sheet(),
-                       (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
+    if (!is_admissible(as_it_was.sheet, sheet(), max_row_norm(sheet().x - as_it_was.sheet.x)))
       return restore(std::move(as_it_was));
     const ElasticReport stored = simulated_.elastic.evaluate_energies(sheet());
     now_.step.last.energy = stored.energy;

@@ -68,8 +68,7 @@ double move_against(const std::optional<RigidMotion>& carrying, const Collider& 
                     const Collider& to) {
   const double most = farthest_move(from, to);
   if (most == 0 || !carrying) return most;
-  return std::min(most,
-                  (to.mesh().x - moved(*carrying, from.mesh().x)).rowwise().norm().maxCoeff());
+  return std::min(most, max_row_norm(to.mesh().x - moved(*carrying, from.mesh().x)));
 }
 
 /// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`

@@ -10,6 +10,7 @@ namespace paperbake {
 
 // [1] of the longer side: relative motion of the handles in one step; assumed
 inline constexpr double max_handle_motion = 0.03;
+inline constexpr int max_halvings_for_inertia = 8;  // of a frame
 
 /// Result of the elastic step of one frame, which is taken in halves where a whole one fails.
 struct FrameStepResult {

@@ -1,12 +1,11 @@
 #include "core/geometry/rigid_motion.h"
 
+#include "core/geometry/measure.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 namespace paperbake {
-
-using Eigen::Matrix3d;
-
 namespace {
 
 /// The motion that takes the middle `from` to the middle `to` and maximises trace(R covariance^T).
@@ -46,8 +45,7 @@ RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) 
 std::optional<RigidMotion> rigid_motion_between(const Points3& points, const Points3& targets,
                                                 double slack) {
   const RigidMotion motion = nearest_rigid_motion(points, targets);
-  if (!((moved(motion, points) - targets).rowwise().norm().maxCoeff() <= slack))
-    return std::nullopt;
+  if (!(max_row_norm(moved(motion, points) - targets) <= slack)) return std::nullopt;
   return motion;
 }
 

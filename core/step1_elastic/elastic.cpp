@@ -178,6 +178,8 @@ bool Elastic::leave_colliders(Sheet& sheet, const ColliderShapes& shapes,
                               const PositionConstraints& held) const {
   if (!impl_->colliders) return true;
   constexpr int most_passes = 32;
+  // [m] outside, as much as it may be inside: the next step is not to begin at the bound
+  constexpr double clearance = give_way_depth;
   ColliderContact at_rest = *impl_->colliders;
   at_rest.begin(sheet.x, {shapes, shapes}, {});
   double depth = at_rest.inside(sheet.x);
@@ -185,7 +187,7 @@ bool Elastic::leave_colliders(Sheet& sheet, const ColliderShapes& shapes,
   std::vector<char> stays(sheet.x.rows(), 0);
   for (const PositionConstraint& c : held) stays[c.vertex] = 1;
   for (int pass = 0; pass < most_passes && depth > 0; ++pass) {
-    at_rest.push_out(stays, give_way_depth, sheet.x);
+    at_rest.push_out(stays, clearance, sheet.x);
     depth = at_rest.inside(sheet.x);
   }
   return depth <= give_way_depth;
@@ -204,7 +206,7 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
     how.ways = NewtonOptions::mixed_newton;
     const double max_displacement = max_coarse_move * longer_side(sheet.pattern);
     how.should_abort = [&, max_displacement](const Points3& x) {
-      return (x - before).rowwise().norm().maxCoeff() > max_displacement;
+      return max_row_norm(x - before) > max_displacement;
     };
   }
   ElasticReport report = s.try_without_plasticity(

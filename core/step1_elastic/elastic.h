@@ -57,7 +57,7 @@ struct StepInput {
 
 /// What a step did, and the energies and contacts of the sheet at its end.
 struct ElasticReport {
-  int iterations = 0;  // number of factorisations of the Hessian
+  int iterations = 0;  // number of Newton iterations
   bool converged = true;
   double energy = 0;             // [J] membrane + bending
   double potential = 0;          // [J] energy + potential of the external forces
@@ -160,7 +160,7 @@ struct SweptSheet;
 /// its end is written to the grid.
 ///
 /// A step that brings parts of the sheet near each other is solved with self-contact
-/// (self_contact.h): the barrier is part of W, no iteration passes through anything, and handles
+/// (sheet_contact.h): the barrier is part of W, no iteration passes through anything, and handles
 /// pull with springs that give way where the paper is jammed (handle_springs.h). No second branch
 /// is searched in such a step. A step in which nothing comes near gives the same result to the last
 /// bit as without contact.
@@ -212,7 +212,7 @@ class Elastic {
   static std::vector<ElasticReport> step_together(const std::vector<JointStepSheet>&,
                                                   const Eigen::MatrixXd& dhat, double dt);
 
-  /// [m] dhat of the sheet (self_contact.h); 0 if self-contact is off.
+  /// [m] dhat of the sheet (sheet_contact.h); 0 if self-contact is off.
   double dhat() const;
 
   /// True if the two sheets do not collide along their trajectories, and no pair of features is

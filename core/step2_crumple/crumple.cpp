@@ -236,9 +236,9 @@ int Crumple::refine_where_jammed(Sheet& sheet, const std::vector<char>& fixed,
 }
 
 int Crumple::load_parts(const Sheet& sheet, double travel) const {
-  constexpr int most = 16;
   if (!is_crumpled(sheet)) return 1;
-  return std::clamp(static_cast<int>(std::ceil(travel / options_.largest_travel)), 1, most);
+  return std::clamp(static_cast<int>(std::ceil(travel / options_.largest_travel)), 1,
+                    most_load_parts);
 }
 
 }  // namespace paperbake

@@ -19,6 +19,8 @@
 
 namespace paperbake {
 
+inline constexpr int most_load_parts = 16;  // into which a frame is divided; assumed
+
 struct Conflicts;
 struct PlasticMemory;
 

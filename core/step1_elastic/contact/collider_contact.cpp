@@ -231,7 +231,8 @@ bool ColliderContact::is_in_front(const Collider& collider, const SheetFeature& 
 }
 
 /// How many corners of a feature of the sheet touch the collider from behind.
-int ColliderContact::corners_behind(const SheetFeature& feature, const std::vector<char>& side) {
+int ColliderContact::corners_behind(const SheetFeature& feature,
+                                    const std::vector<std::int8_t>& side) {
   int behind = 0;
   for (int i = 0; i < feature.corners; ++i) behind += side[feature.vertices[i]] < 0;
   return behind;
@@ -253,7 +254,7 @@ template <class Visit>
 void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& y,
                                  Visit visit) const {
   const Collider& collider = this->collider(c);
-  const std::vector<char>& side = states_[c].side;
+  const std::vector<std::int8_t>& side = states_[c].side;
   const auto& v = feature.vertices;
   if (feature.corners == 1) {
     for (const SurfacePoint& s : collider.nearest(row(y, v[0]), feature.near, side[v[0]]))
@@ -307,13 +308,14 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
     const Collider& before = *motion_.from[c];
     if (!before.closed())
       for (int v = 0; v < x.rows(); ++v)
-        states_[c].side[v] = static_cast<char>(before.side_of(row(x, v), 4 * before.depth()));
+        states_[c].side[v] =
+            static_cast<std::int8_t>(before.side_of(row(x, v), 4 * before.depth()));
     states_[c].moved = farthest_move(before, collider(c));
     find_swept_vertices(c);
-    const Points3 carried = carried_by(c, x);
-    refresh(c, carried);
+    states_[c].carried = carried_by(c);
+    refresh(c, states_[c].carried);
     reduce_barrier_near_handles(c, pulled);
-    begin_friction(c, carried, history);
+    begin_friction(c, history);
   }
 }
 
@@ -327,8 +329,8 @@ void ColliderContact::reduce_barrier_near_handles(std::size_t c,
   }
 }
 
-void ColliderContact::begin_friction(std::size_t c, const Points3& carried,
-                                     const FrictionHistory& history) {
+void ColliderContact::begin_friction(std::size_t c, const FrictionHistory& history) {
+  const Points3& carried = states_[c].carried;
   const double mu = collider(c).mesh().friction;
   if (mu == 0) return;
   std::array<int, 3> last{-1, -1, -1};
@@ -357,16 +359,17 @@ void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
 }
 
 /// [m] The shear of a contact with the sheet at y, if it does not slide.
-Eigen::Vector2d ColliderContact::trial_shear(const FrictionContact& drag, const Points3& y) const {
-  Vector3d u = -drag.carried;
-  for (int i = 0; i < drag.corners; ++i)
-    u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
-  return drag.shear + drag.along.transpose() * u;
+Eigen::Vector2d ColliderContact::trial_shear(const FrictionContact& friction,
+                                             const Points3& y) const {
+  Vector3d u = -friction.carried;
+  for (int i = 0; i < friction.corners; ++i)
+    u += friction.weights[i] * (row(y, friction.vertices[i]) - row(start_, friction.vertices[i]));
+  return friction.shear + friction.along.transpose() * u;
 }
 
 void ColliderContact::remember(const Points3& y, FrictionHistory& history) const {
-  for (const FrictionContact& drag : friction_contacts_)
-    history.remember(drag.name, drag.along * sheared(trial_shear(drag, y)));
+  for (const FrictionContact& friction : friction_contacts_)
+    history.remember(friction.name, friction.along * sheared(trial_shear(friction, y)));
 }
 
 double ColliderContact::energy(const Points3& y) {
@@ -374,8 +377,9 @@ double ColliderContact::energy(const Points3& y) {
   for_each_touch(y, [&](std::size_t, const ContactPoint& touch) {
     sum += collider_barrier(touch.distance).value;
   });
-  for (const FrictionContact& drag : friction_contacts_)
-    sum += drag.force * friction_mollifier(trial_shear(drag, y).norm(), sticking_shear).value;
+  for (const FrictionContact& friction : friction_contacts_)
+    sum +=
+        friction.force * friction_mollifier(trial_shear(friction, y).norm(), sticking_shear).value;
   return sum;
 }
 
@@ -383,7 +387,7 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
                                       Points3& gradient, BlockCholesky* matrix) {
   double sum = 0;
   const auto add = [&](const std::array<int, 3>& v, const std::array<double, 3>& w, int corners,
-                       const Vector3d& force, const Matrix3& second) {
+                       const Vector3d& force, const Matrix3d& second) {
     for (int i = 0; i < corners; ++i)
       for (int k = 0; k < 3; ++k) gradient(v[i], k) += w[i] * force[k];
     if (!matrix) return;
@@ -396,18 +400,18 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
   for_each_touch(y, [&](std::size_t, const ContactPoint& touch) {
     const Barrier b = collider_barrier(touch.distance);
     const Vector3d n = touch.normal, force = b.slope * n;
-    const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
+    const Matrix3d second = (b.second * n).lazyProduct(n.transpose());
     sum += b.value;
     add(touch.vertices, touch.weights, touch.corners, force, second);
   });
-  for (const FrictionContact& drag : friction_contacts_) {
-    const Eigen::Vector2d shear = trial_shear(drag, y);
+  for (const FrictionContact& friction : friction_contacts_) {
+    const Eigen::Vector2d shear = trial_shear(friction, y);
     const FrictionMollifierInPlane f = friction_mollifier(shear, sticking_shear);
-    sum += drag.force * f.value;
-    const Vector3d force = drag.force * f.across * (drag.along * shear);
-    const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(f.second);
-    const Matrix3 stiffness = half.lazyProduct(drag.along.transpose());
-    add(drag.vertices, drag.weights, drag.corners, force, stiffness);
+    sum += friction.force * f.value;
+    const Vector3d force = friction.force * f.across * (friction.along * shear);
+    const Eigen::Matrix<double, 3, 2> half = friction.force * friction.along.lazyProduct(f.second);
+    const Matrix3d stiffness = half.lazyProduct(friction.along.transpose());
+    add(friction.vertices, friction.weights, friction.corners, force, stiffness);
   }
   return sum;
 }
@@ -440,7 +444,7 @@ void ColliderContact::find_sides(const Points3& y) {
     }
     for (int v = 0; v < y.rows(); ++v)
       if (within[v] > 0)
-        a.side[v] = static_cast<char>(collider(c).side_of(
+        a.side[v] = static_cast<std::int8_t>(collider(c).side_of(
             row(y, v), row(start_, v), within[v] + (y.row(v) - start_.row(v)).norm()));
   }
 }

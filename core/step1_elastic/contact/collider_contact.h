@@ -7,6 +7,7 @@
 #include "core/step1_elastic/position_constraints.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -113,8 +114,11 @@ class ColliderContact {
     // |V| whether the vertex is a corner of an edge or a triangle of the sheet that an edge or a
     // corner of the moving collider may meet in this step
     std::vector<char> swept;
-    double moved = 0;        // [m] by the collider in this step, at most
-    std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
+    double moved = 0;  // [m] by the collider in this step, at most
+    // |V| -1: the vertex has come round the border of an open collider; otherwise 1
+    std::vector<std::int8_t> side;
+    // |V|x3 [m] where the vertices would be if the collider had carried them along in this step
+    Points3 carried;
   };
 
   void refresh(std::size_t c, const Points3& y);
@@ -122,11 +126,9 @@ class ColliderContact {
   void find_sides(const Points3& y);
   double inside(std::size_t c, const Points3& y);
   const Collider& collider(std::size_t c) const { return *motion_.to[c]; }  // at the end
-  /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
-  Points3 carried_by(std::size_t c, const Points3& x) const;
+  /// |V|x3 [m] where the collider takes the vertices from the start of the step.
+  Points3 carried_by(std::size_t c) const;
   void find_swept_vertices(std::size_t c);
-  /// Where the collider takes a vertex from the start of the step.
-  Vector3d carried_by(std::size_t c, const Points3& x, int vertex) const;
   Points3 taken_along() const;
   template <class Visit>
   void for_each_touch(std::size_t c, const Points3& y, Visit) const;
@@ -139,7 +141,7 @@ class ColliderContact {
   FeaturePair corner_pair(const Collider&, const TriangleCorners&, int k, int behind) const;
   static bool is_in_front(const Collider&, const SheetFeature&, const FeaturePair&,
                           const Points3& y);
-  static int corners_behind(const SheetFeature&, const std::vector<char>& side);
+  static int corners_behind(const SheetFeature&, const std::vector<std::int8_t>& side);
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
                            int behind) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
@@ -152,7 +154,7 @@ class ColliderContact {
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
   Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;
-  void begin_friction(std::size_t c, const Points3& carried, const FrictionHistory&);
+  void begin_friction(std::size_t c, const FrictionHistory&);
   void reduce_barrier_near_handles(std::size_t c, const PositionConstraints& pulled);
 
   std::shared_ptr<const Colliders> colliders_;

@@ -1,7 +1,7 @@
 // Where colliders let a sheet go, and where they take it.
 
 #include "core/geometry/proximity.h"
-#include "core/step1_elastic/contact/barrier.h"
+#include "core/step1_elastic/contact/additive_ccd.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 
 #include <algorithm>
@@ -9,11 +9,15 @@
 
 namespace paperbake {
 
-Points3 ColliderContact::carried_by(std::size_t c, const Points3& x) const {
+Points3 ColliderContact::carried_by(std::size_t c) const {
+  constexpr double anywhere = 1;  // [m]
+  const ColliderState& a = states_[c];
+  Points3 x = start_;
   if (motion_.from[c] == motion_.to[c]) return x;
-  Points3 carried(x.rows(), 3);
-  for (int v = 0; v < x.rows(); ++v) carried.row(v) = carried_by(c, x, v);
-  return carried;
+  for (int v = 0; v < x.rows(); ++v)
+    x.row(v) = carried(*motion_.from[c], *motion_.to[c], row(start_, v),
+                       a.moved + (a.swept[v] ? anywhere : collider_dhat), a.side[v]);
+  return x;
 }
 
 /// Flags the vertices of edges and triangles of the sheet that an edge or a corner of the collider
@@ -49,13 +53,6 @@ void ColliderContact::find_swept_vertices(std::size_t c) {
   }
 }
 
-Vector3d ColliderContact::carried_by(std::size_t c, const Points3& x, int v) const {
-  constexpr double anywhere = 1;  // [m]
-  const ColliderState& a = states_[c];
-  return carried(*motion_.from[c], *motion_.to[c], row(x, v),
-                 a.moved + (a.swept[v] ? anywhere : collider_dhat), a.side[v]);
-}
-
 /// Moves from p towards `to` as far as the collider allows, then along its surface.
 Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d to, int side) const {
   constexpr int max_turns = 4, max_steps = 100;
@@ -89,10 +86,8 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
 
 /// Where the vertex gets to on its way to a target.
 Vector3d ColliderContact::reachable(int v, Vector3d to) const {
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Vector3d p = carried_by(c, start_, v);
-    to = slide(collider(c), p, to, states_[c].side[v]);
-  }
+  for (std::size_t c = 0; c < states_.size(); ++c)
+    to = slide(collider(c), row(states_[c].carried, v), to, states_[c].side[v]);
   return to;
 }
 
@@ -104,13 +99,11 @@ void ColliderContact::project_outside(PositionConstraints& constraints) const {
 /// farthest.
 Points3 ColliderContact::taken_along() const {
   Points3 taken = start_;
-  for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Points3 by_this = carried_by(c, start_);
+  for (const ColliderState& by_this : states_)
     for (int v = 0; v < taken.rows(); ++v)
-      if ((by_this.row(v) - start_.row(v)).squaredNorm() >
+      if ((by_this.carried.row(v) - start_.row(v)).squaredNorm() >
           (taken.row(v) - start_.row(v)).squaredNorm())
-        taken.row(v) = by_this.row(v);
-  }
+        taken.row(v) = by_this.carried.row(v);
   return taken;
 }
 

@@ -34,7 +34,7 @@ Eigen::Matrix<double, 3, 2> tangents_of(const Vector3d& normal);
 
 /// How a pair of features at x slides along each other when its corners move: by sum_i along_i
 /// move_i [m] in the tangents_of its normal. To first order a rigid motion is no sliding (see
-/// Contact).
+/// sheet_contact.h).
 /// near  the closest points of the features, which do not touch
 std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x, Features,
                                                        const ClosestPoints& near);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/step1_elastic/energies/membrane.h"
+#include "core/geometry/rest_triangle.h"
 
 #include <vector>
 

@@ -143,7 +143,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern,
 }
 
 double bending_energy(const RestBending& rest, const Vector3d& theta, const PlasticState& plastic,
-                      Vector3d* moment, Matrix3* tangent) {
+                      Vector3d* moment, Matrix3d* tangent) {
   const auto [S, trace, q_squared] = elastic_curvature(rest, theta, plastic.curvature);
   const double scale = rest.rigidity * rest.area;
   const bool yields = q_squared > plastic.yield * plastic.yield;

@@ -3,7 +3,6 @@
 #include "core/geometry/hinges.h"
 #include "core/model/paper.h"
 #include "core/model/sheet.h"
-#include "core/step1_elastic/energies/membrane.h"
 
 #include <array>
 #include <limits>
@@ -23,7 +22,7 @@ DihedralAngle dihedral_angle_gradient(const Points3& x, const Hinge&);
 /// matrix of a sheet needs no block between the two wings for it.
 /// left  true if the wing lies on the left of x0 -> x1
 struct DihedralHessian {
-  Matrix3 ee, ea, aa;  // [1/m2]
+  Matrix3d ee, ea, aa;  // [1/m2]
 };
 DihedralHessian dihedral_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
 
@@ -49,7 +48,7 @@ DihedralHessian dihedral_hessian_of_wing(const Vector3d& e, const Vector3d& a, b
 /// source  [Grinspun 2006] for the operator; [Huber 1923] for the twist; the two rules are this
 ///         project's
 struct RestBending {
-  Matrix3 stiffness;                  // [J] K, zero rows for border edges
+  Matrix3d stiffness;                 // [J] K, zero rows for border edges
   Eigen::Matrix3d operator_of_theta;  // [1/m] columns: l_i/A_i (n_x^2, n_x n_y, n_y^2)
   double area;                        // [m2]
   double rigidity;                    // [N m] D of this triangle
@@ -84,7 +83,7 @@ struct PlasticState {
 /// tangent  [J] d2E/dtheta2, overwritten; never indefinite; may be null
 /// returns  [J]
 double bending_energy(const RestBending&, const Vector3d& theta, const PlasticState& = {},
-                      Vector3d* moment = nullptr, Matrix3* tangent = nullptr);
+                      Vector3d* moment = nullptr, Matrix3d* tangent = nullptr);
 
 /// [J m] Derivative of bending_energy with respect to sum_i theta_i l_i/A_i n_i n_i^T, the shape
 /// operator of a triangle without grain inside the sheet. Symmetric.

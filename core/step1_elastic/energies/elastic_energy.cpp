@@ -60,8 +60,8 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
   }
 }
 
-Matrix3 ElasticEnergy::corners(const Points3& x, int t) const {
-  Matrix3 c;
+Matrix3d ElasticEnergy::corners(const Points3& x, int t) const {
+  Matrix3d c;
   for (int i = 0; i < 3; ++i) c.row(i) = x.row(triangles_(t, i));
   return c;
 }
@@ -114,7 +114,7 @@ CreaseResponse ElasticEnergy::response_of(const CreaseHinge& crease, double thet
 }
 
 double ElasticEnergy::add_creases(int t, const Vector3d& angles, Vector3d* moment,
-                                  Matrix3* tangent) const {
+                                  Matrix3d* tangent) const {
   if (creases_.empty()) return 0;
   double sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -223,7 +223,7 @@ LocalEnergies ElasticEnergy::local_energies(const Points3& x) const {
   Eigen::VectorXd by_area = Eigen::VectorXd::Zero(triangles);
   const std::vector<double> theta = dihedral_angles(x);
   for (int t = 0; t < triangles; ++t) {
-    const Matrix3 c = corners(x, t);
+    const Matrix3d c = corners(x, t);
     const RestTriangle& rest = rest_[t];
     const Vector3d angles = angles_of(t, theta);
     local.membrane[t] = membrane_energy(paper_, rest, c);
@@ -234,7 +234,7 @@ LocalEnergies ElasticEnergy::local_energies(const Points3& x) const {
     const Eigen::Matrix<double, 3, 2> F = c.transpose() * rest.g;
     const Eigen::Matrix2d momentum =
         local.membrane[t] / rest.area * Eigen::Matrix2d::Identity() -
-        F.transpose() * F * membrane_stress(paper_, rest, c, Matrix3::Zero());
+        F.transpose() * F * membrane_stress(paper_, rest, c, Matrix3d::Zero());
     for (int i = 0; i < 3; ++i)
       local.configurational_force.row(triangles_(t, i)) -=
           rest.area * rest.g.row(i) * momentum.transpose();
@@ -273,7 +273,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
   // an angle gets the moments of both its triangles
   double sum = 0;
   std::vector<double> moment(folds.size(), 0.0);
-  std::vector<Matrix3> tangent(matrix ? triangles_.rows() : 0);
+  std::vector<Matrix3d> tangent(matrix ? triangles_.rows() : 0);
   for (int t = 0; t < triangles_.rows(); ++t) {
     Vector3d angles, m;
     for (int i = 0; i < 3; ++i)
@@ -288,9 +288,9 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
       gradient->row(hinges_.hinges[h].vertices[k]) += moment[h] * folds[h].slope.row(k);
 
   for (int t = 0; t < triangles_.rows(); ++t) {
-    Matrix3 g = Matrix3::Zero();
+    Matrix3d g = Matrix3d::Zero();
     Matrix9 k = Matrix9::Zero();
-    const Matrix3 c = corners(x, t);
+    const Matrix3d c = corners(x, t);
     const MembraneHessian hessian{k, form, stress ? &(*stress)[t] : nullptr};
     sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &hessian : nullptr);
     for (int i = 0; i < 3; ++i) gradient->row(triangles_(t, i)) += g.row(i);
@@ -320,8 +320,8 @@ void ElasticEnergy::add_element(int t, const Element& element,
     const int x0 = at[0], x1 = at[1];
     const DihedralHessian w = dihedral_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
                                                        (c.row(i) - c.row(x0)).transpose(), left);
-    const Matrix3 ee = moments[i] * w.ee, ea = moments[i] * w.ea, aa = moments[i] * w.aa;
-    const Matrix3 by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0
+    const Matrix3d ee = moments[i] * w.ee, ea = moments[i] * w.ea, aa = moments[i] * w.aa;
+    const Matrix3d by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0
     const auto block = [&](int p, int q) { return own.block<3, 3>(3 * p, 3 * q); };
     block(x0, x0) += by_1 + by_wing;
     block(x0, x1) -= by_1;

@@ -108,23 +108,23 @@ class ElasticEnergy {
   double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix,
                   const MembraneStress* stress = nullptr) const;
   struct Element {            // a triangle, for the Hessian
-    const Matrix3& corners;   // [m]
+    const Matrix3d& corners;  // [m]
     Matrix9& own;             // [N/m] what its corners alone contribute
-    const Matrix3& tangent;   // [J] d2E/dtheta2 of its bending
+    const Matrix3d& tangent;  // [J] d2E/dtheta2 of its bending
     const Vector3d& moments;  // [J] on its angles, from both sides
   };
   /// Adds the contribution of triangle t to the matrix: its own, and its bending over the whole
   /// stencil.
   void add_element(int t, const Element&, const std::vector<DihedralAngle>&, HessianForm,
                    BlockCholesky&) const;
-  Matrix3 corners(const Points3& x, int t) const;
+  Matrix3d corners(const Points3& x, int t) const;
   // [rad] dihedral angles at the three edges of a triangle; 0 at the border
   Vector3d angles_of(int t, const std::vector<double>& dihedral_angles) const;
   PlasticState past(int t) const;
   /// Adds the folded creases at a triangle to its bending: half of each hinge; the other half goes
   /// to the other triangle.
   double add_creases(int t, const Vector3d& angles, Vector3d* moment = nullptr,
-                     Matrix3* tangent = nullptr) const;
+                     Matrix3d* tangent = nullptr) const;
   CreaseResponse response_of(const CreaseHinge&, double theta) const;
   /// Area on the pattern of the triangles on both sides of a hinge. [m2]
   double area_beside(const Hinge& hinge) const {

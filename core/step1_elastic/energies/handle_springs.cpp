@@ -1,7 +1,5 @@
 #include "core/step1_elastic/energies/handle_springs.h"
 
-#include "core/step1_elastic/energies/membrane.h"
-
 #include <limits>
 
 namespace paperbake {
@@ -58,7 +56,7 @@ double differentiate_springs(const PositionConstraints& constraints, const Point
       along = s.stiffness_beyond;
     }
     gradient.row(c.vertex) += across * d.transpose();
-    Matrix3 second = across * Matrix3::Identity();
+    Matrix3d second = across * Matrix3d::Identity();
     if (beyond > 0) second += (along - across) / (r * r) * d * d.transpose();
     matrix.add(matrix.slot(block_of[c.vertex], block_of[c.vertex]), second);
   }

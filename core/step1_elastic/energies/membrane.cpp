@@ -1,7 +1,5 @@
 #include "core/step1_elastic/energies/membrane.h"
 
-#include <Eigen/LU>
-
 #include <cmath>
 
 namespace paperbake {
@@ -27,22 +25,8 @@ double shear_modulus(const Paper& paper) {
 
 }  // namespace
 
-RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners) {
-  const Vector2d p0 = pattern.row(corners[0]), p1 = pattern.row(corners[1]),
-                 p2 = pattern.row(corners[2]);
-  Eigen::Matrix2d edges;
-  edges << p1 - p0, p2 - p0;
-  const Eigen::Matrix2d inverse = edges.inverse();
-  RestTriangle rest;
-  rest.area = 0.5 * edges.determinant();
-  rest.g.row(1) = inverse.row(0);
-  rest.g.row(2) = inverse.row(1);
-  rest.g.row(0) = -rest.g.row(1) - rest.g.row(2);
-  return rest;
-}
-
-double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matrix3& x,
-                       Matrix3* gradient, const MembraneHessian* hessian) {
+double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matrix3d& x,
+                       Matrix3d* gradient, const MembraneHessian* hessian) {
   const double mu = shear_modulus(paper), lambda = lame_modulus(paper);
   const Eigen::Matrix<double, 3, 2> F = x.transpose() * rest.g;
   const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity());
@@ -69,8 +53,8 @@ double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matri
   return energy;
 }
 
-Eigen::Matrix2d membrane_stress(const Paper& paper, const RestTriangle& rest, const Matrix3& x,
-                                const Matrix3& move) {
+Eigen::Matrix2d membrane_stress(const Paper& paper, const RestTriangle& rest, const Matrix3d& x,
+                                const Matrix3d& move) {
   const Eigen::Matrix<double, 3, 2> F = x.transpose() * rest.g, change = move.transpose() * rest.g;
   const Eigen::Matrix2d first_order = F.transpose() * change;
   const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity() + first_order +

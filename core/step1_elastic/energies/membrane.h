@@ -1,22 +1,14 @@
 #pragma once
 
+#include "core/geometry/rest_triangle.h"
 #include "core/model/paper.h"
-#include "core/model/sheet.h"
 
 namespace paperbake {
 
-using Matrix3 = Eigen::Matrix3d;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 /// The exact Hessian, or a near one without negative eigenvalues that is cheap to compute.
 enum class HessianForm { exact, projected };
-
-/// A triangle of the pattern: gradients of its three linear shape functions, and its area.
-struct RestTriangle {
-  Eigen::Matrix<double, 3, 2> g;  // [1/m] row i: gradient of the function that is 1 at corner i
-  double area;                    // [m2]
-};
-RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners);
 
 /// Where membrane_energy adds the Hessian, and which.
 struct MembraneHessian {
@@ -37,11 +29,11 @@ struct MembraneHessian {
 /// returns        [J]
 /// source     [Volino 2009]; the projected form keeps only the tensile part of the stress in the
 ///            geometric term
-double membrane_energy(const Paper&, const RestTriangle&, const Matrix3& x,
-                       Matrix3* gradient = nullptr, const MembraneHessian* hessian = nullptr);
+double membrane_energy(const Paper&, const RestTriangle&, const Matrix3d& x,
+                       Matrix3d* gradient = nullptr, const MembraneHessian* hessian = nullptr);
 
 /// 2x2 [N/m] S at x + move, to first order in move (second Piola-Kirchhoff).
-Eigen::Matrix2d membrane_stress(const Paper&, const RestTriangle&, const Matrix3& x,
-                                const Matrix3& move);
+Eigen::Matrix2d membrane_stress(const Paper&, const RestTriangle&, const Matrix3d& x,
+                                const Matrix3d& move);
 
 }  // namespace paperbake

@@ -247,9 +247,9 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
   if (!std::isfinite(least)) throw EnergyNotFinite();
 }
 
-ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* self_contact,
-                                   const NewtonOptions& how, BranchSearchMode second,
-                                   StepStart start) {
+ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step,
+                                   SheetContact* self_contact, const NewtonOptions& how,
+                                   BranchSearchMode second, StepStart start) {
   // with self-contact the hard handles pull as well, and none is eliminated
   const std::vector<int> hard = vertices_of(step.hard),
                          eliminated = self_contact ? std::vector<int>{} : hard;
@@ -303,7 +303,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     self_contact->remember(sheet.x, friction_at_end);
     self_contact->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;
-    report.touching = self_contact->active(sheet.x);
+    report.touching = self_contact->touching(sheet.x);
   }
   return report;
 }
@@ -319,14 +319,11 @@ void Elastic::Impl::report_constraints(const Points3& x, const PositionConstrain
 }
 
 void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3& to, Points3& x) {
-  const auto crossings_at = [&](const Points3& there) {
-    Sheet sheet;
-    sheet.pattern = pattern;
-    sheet.triangles = triangles;
-    sheet.x = there;
-    return crossings(sheet);
+  const auto adds_crossings = [&] {
+    const CrossingCounter crossings_at(pattern, triangles);
+    return crossings_at(to) > crossings_at(x);
   };
-  if (!contact || to == x || crossings_at(to) <= crossings_at(x)) {
+  if (!contact || to == x || !adds_crossings()) {
     x = to;
     return;
   }

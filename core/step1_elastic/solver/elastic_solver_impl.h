@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/step1_elastic/contact/collider_contact.h"
-#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/contact/sheet_contact.h"
 #include "core/step1_elastic/elastic.h"
 #include "core/step1_elastic/energies/air_drag.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
@@ -53,7 +53,7 @@ struct Elastic::Impl {
   // which cells of the grid the triangles cover, computed when it is first needed
   std::optional<PlasticGrid::Cover> found_cover;
 
-  std::optional<Contact> contact;
+  std::optional<SheetContact> contact;
   std::optional<ColliderContact> colliders;
   // [m] of the step: where its panels move rigidly, as they are and flat (panel_motion.h); or empty
   std::vector<Points3> panels;
@@ -172,9 +172,10 @@ struct Elastic::Impl {
   std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard,
                                bool with_contact);
 
-  /// One solution of the step; `self_contact` is null for a step without self-contact.
-  ElasticReport solve(Sheet&, const StepProblem&, Contact* self_contact, const NewtonOptions& how,
-                      BranchSearchMode second, StepStart = StepStart::guess);
+  /// One solution of the step; `sheet_contact` is null for a step without self-contact.
+  ElasticReport solve(Sheet&, const StepProblem&, SheetContact* self_contact,
+                      const NewtonOptions& how, BranchSearchMode second,
+                      StepStart = StepStart::guess);
 
   /// Solves without self-contact. On an interactive mesh, an unfinished step gets further
   /// iterations as long as paper could not have the shape.

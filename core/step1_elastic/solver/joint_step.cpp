@@ -58,8 +58,8 @@ bool Elastic::are_collision_free(const SweptSheet& a, const SweptSheet& b, doubl
                                                    return (of == 0 ? a : b).initial_positions;
                                                  })
                                         : Points3(0, 3);
-  Contact contact(mesh.pattern, mesh.triangles,
-                  {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), initial_positions});
+  SheetContact contact(mesh.pattern, mesh.triangles,
+                       {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), initial_positions});
   const auto place = [&](std::size_t k) {
     return joined(mesh,
                   [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).places[k]; });
@@ -77,10 +77,10 @@ class Elastic::Impl::JointStep {
 
  private:
   Impl& solver(std::size_t k) const { return *sheets_[k].elastic.impl_; }
-  Contact make_contact(const Eigen::MatrixXd& dhat) const;
-  BlockCholesky make_matrix(const Contact&) const;
+  SheetContact make_contact(const Eigen::MatrixXd& dhat) const;
+  BlockCholesky make_matrix(const SheetContact&) const;
   /// The sum of the potentials, with all their terms bound to the matrix.
-  IncrementalPotential bind(BlockCholesky&, Contact&) const;
+  IncrementalPotential bind(BlockCholesky&, SheetContact&) const;
   std::vector<Points3> guesses() const;
   NewtonReport minimise(const IncrementalPotential&, BlockCholesky&, Points3& x) const;
   FrictionHistory history_of_pairs() const;
@@ -114,7 +114,7 @@ Elastic::Impl::JointStep::JointStep(const std::vector<JointStepSheet>& sheets, d
   std::iota(block_of_.begin(), block_of_.end(), 0);
 }
 
-Contact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) const {
+SheetContact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) const {
   std::vector<double> friction;
   std::vector<int> number;
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
@@ -126,11 +126,11 @@ Contact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) cons
           ? joined(mesh_,
                    [&](std::size_t k) -> const Points3& { return sheets_[k].initial_positions; })
           : Points3(0, 3);
-  return Contact(mesh_.pattern, mesh_.triangles,
-                 {mesh_.of_vertex, dhat, initial_positions, friction, number, mesh_.first});
+  return SheetContact(mesh_.pattern, mesh_.triangles,
+                      {mesh_.of_vertex, dhat, initial_positions, friction, number, mesh_.first});
 }
 
-BlockCholesky Elastic::Impl::JointStep::make_matrix(const Contact& contact) const {
+BlockCholesky Elastic::Impl::JointStep::make_matrix(const SheetContact& contact) const {
   std::vector<std::pair<int, int>> coupled = contact.coupled_vertices(before_);
   for (std::size_t k = 0; k < sheets_.size(); ++k)
     for (const auto& [i, j] : solver(k).energy->coupled_vertices())
@@ -138,7 +138,8 @@ BlockCholesky Elastic::Impl::JointStep::make_matrix(const Contact& contact) cons
   return BlockCholesky(mesh_.first.back(), std::move(coupled));
 }
 
-IncrementalPotential Elastic::Impl::JointStep::bind(BlockCholesky& matrix, Contact& contact) const {
+IncrementalPotential Elastic::Impl::JointStep::bind(BlockCholesky& matrix,
+                                                    SheetContact& contact) const {
   contact.bind(matrix, block_of_);
   IncrementalPotential W{{}, &contact};
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
@@ -212,7 +213,7 @@ void Elastic::Impl::JointStep::finish(std::size_t k, const Points3& x,
 }
 
 std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd& dhat) {
-  Contact contact = make_contact(dhat);
+  SheetContact contact = make_contact(dhat);
   contact.begin(before_, hard_, history_of_pairs());
   BlockCholesky matrix = make_matrix(contact);
   const IncrementalPotential W = bind(matrix, contact);
@@ -222,7 +223,7 @@ std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd
   const NewtonReport newton = minimise(W, matrix, x);
 
   contact.update_candidates(x, Points3::Zero(x.rows(), 3));
-  const std::vector<Contact::Active> active = contact.active_by_sheet(x);
+  const std::vector<SheetContact::Touching> touching = contact.touching_by_sheet(x);
   FrictionHistory pairs;
   contact.remember(x, pairs);
   std::vector<ElasticReport> reports(sheets_.size());
@@ -230,8 +231,8 @@ std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd
     reports[k].iterations = newton.iterations;
     reports[k].converged = newton.converged;
     reports[k].contact = true;
-    reports[k].touching = active[k].own;
-    reports[k].touching_others = active[k].others;
+    reports[k].touching = touching[k].own;
+    reports[k].touching_others = touching[k].others;
     finish(k, x, W.sheets[k].springs, pairs, reports[k]);
   }
   return reports;

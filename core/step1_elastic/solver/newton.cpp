@@ -9,8 +9,16 @@
 namespace paperbake {
 namespace {
 
-constexpr double sufficient_decrease = 1e-4;
+constexpr double sufficient_decrease = 1e-4;  // [1] of what the slope promises [Armijo 1966]
 constexpr int max_halvings = 30;
+// [1] of W: a decrease below its rounding error cannot be measured
+constexpr double rounding_of_potential = 1e-13;
+// How far a vertex may go in one iteration, all assumed: a triangle is not turned inside out by two
+// edge lengths, nor does a search for pairs in contact have to reach far for ten contact distances.
+constexpr double most_edges = 2, most_contact_distances = 10;  // [1]
+// [1] of the membrane stiffness: what is first added to the diagonal of a Hessian that is not
+// positive definite, and the factor by which it grows until it is
+constexpr double first_shift = 1e-8, shift_growth = 100;
 // A barrier has kinks where the closest points jump from one feature to another, as they do between
 // parallel edges of layers that lie on each other. At a minimum in a kink no step goes its whole
 // length: what several exact steps in a row ask for has to do.
@@ -28,7 +36,8 @@ class Newton {
         mean_edge_(system.mean_edge),
         membrane_stiffness_(system.membrane_stiffness),
         options_(options),
-        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat()) : 2 * mean_edge_) {
+        max_move_(most_edges * mean_edge_) {
+    if (W_.contact) max_move_ = std::min(max_move_, most_contact_distances * W_.contact->dhat());
   }
 
   /// The first variant. stress: of the membrane before the first iteration
@@ -83,7 +92,7 @@ Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStr
     if (!std::isfinite(value_)) throw EnergyNotFinite();
     bool definite = matrix_.factorise();
     if (!definite && form == HessianForm::exact) continue;
-    for (double shift = 1e-8 * membrane_stiffness_; !definite; shift *= 100) {
+    for (double shift = first_shift * membrane_stiffness_; !definite; shift *= shift_growth) {
       if (!std::isfinite(shift)) throw EnergyNotFinite();  // nor is the Hessian
       matrix_.shift_diagonal(shift);
       definite = matrix_.factorise();
@@ -110,8 +119,8 @@ Points3 Newton::downhill() const {
 /// Fraction of `move` that decreases W sufficiently; 0 if there is none.
 double Newton::line_search(const Points3& x, const Points3& move) const {
   const double slope = gradient_.cwiseProduct(move).sum();
-  // a decrease below the rounding error of W cannot be measured: the full step is as good as any
-  if (-slope < 1e-13 * std::abs(value_)) return 1;
+  // where nothing can be measured the full step is as good as any
+  if (-slope < rounding_of_potential * std::abs(value_)) return 1;
   double length = 1;
   for (int k = 0; k < max_halvings; ++k, length *= 0.5)
     if (W_(x + length * move) <= value_ + sufficient_decrease * length * slope) return length;
@@ -119,8 +128,12 @@ double Newton::line_search(const Points3& x, const Points3& move) const {
 }
 
 bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
-  constexpr int max_crawling = 8;
-  constexpr double torn = 0.005;  // [1] strain beyond which line-search Newton does better
+  // the crest between two valleys: line-search Newton is as slow there, but it does get down. All
+  // assumed.
+  constexpr int max_crawling = 8;        // [1] iterations in a row
+  constexpr double not_shrunk = 0.5;     // [1] of the step before
+  constexpr double crawling_step = 0.1;  // [1] of an edge
+  constexpr double torn = 0.005;         // [1] strain beyond which line-search Newton does better
   const double first_value = covered(x), first_strain = largest_strain(stress);
   double last = 0;
   int crawling = 0;
@@ -142,10 +155,9 @@ bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
           covered(x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
       return report.converged;
     }
-    // the crest between two valleys: line-search Newton is as slow there, but it does get down
-    crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge_
-                   ? crawling + 1
-                   : 0;
+    const bool crawls = form == HessianForm::projected && asked > not_shrunk * last &&
+                        asked < crawling_step * mean_edge_;
+    crawling = crawls ? crawling + 1 : 0;
     if (crawling == max_crawling) return false;
     last = asked;
   }

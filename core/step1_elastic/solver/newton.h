@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/step1_elastic/energies/incremental_potential.h"
+#include "core/step1_elastic/solver/incremental_potential.h"
 #include "core/step1_elastic/solver/solver_limits.h"
 
 #include <functional>
@@ -21,7 +21,7 @@ struct NewtonSystem {
 struct NewtonOptions {
   // [m] it stops when every vertex is estimated to be within this distance of the minimum
   double stop;
-  int max_iterations;  // [1] factorisations
+  int max_iterations;  // [1]
   // [1] of these, at most so many by mixed Newton: the rest is for line-search Newton
   int max_mixed_newton = mixed_newton_limit(max_iterations);
   enum Ways { both, mixed_newton, line_search_newton } ways = both;

@@ -1,6 +1,6 @@
 #include "core/step1_elastic/solver/predictor.h"
 
-#include "core/step1_elastic/energies/membrane.h"
+#include "core/geometry/rest_triangle.h"
 
 namespace paperbake {
 
@@ -16,7 +16,7 @@ Predictor::Predictor(const Points2& pattern, const Triangles& triangles, std::ve
   std::vector<Eigen::Triplet<double>> inner, border;
   for (int t = 0; t < triangles.rows(); ++t) {
     const RestTriangle rest = rest_triangle(pattern, triangles.row(t));
-    const Matrix3 stiffness = rest.area * rest.g * rest.g.transpose();
+    const Matrix3d stiffness = rest.area * rest.g * rest.g.transpose();
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         const int p = place_[triangles(t, i)], q = place_[triangles(t, j)];

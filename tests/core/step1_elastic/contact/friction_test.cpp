@@ -1,7 +1,7 @@
 // Coulomb friction between layers of paper.
 
 #include "core/step1_elastic/contact/friction.h"
-#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/contact/sheet_contact.h"
 #include "core/step1_elastic/elastic.h"
 #include "tests/core/test_meshes.h"
 
@@ -58,9 +58,9 @@ struct Layers {
       for (int j = 0; j < i; ++j) all.emplace_back(i, j);
   }
 
-  Contact contact(double mu_low, double mu_high) const {
-    Contact contact(pattern, triangles,
-                    {of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), {}, {mu_low, mu_high}});
+  SheetContact contact(double mu_low, double mu_high) const {
+    SheetContact contact(pattern, triangles,
+                         {of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), {}, {mu_low, mu_high}});
     contact.begin(start, {});
     return contact;
   }
@@ -106,7 +106,7 @@ std::vector<Layers> single_pairs() {
 
 TEST(FrictionTest, GradientAndHessianMatchTheEnergyAndTheHessianIsNeverIndefinite) {
   const Layers layers = rumpled();
-  Contact contact = layers.contact(0.4, 0.3);
+  SheetContact contact = layers.contact(0.4, 0.3);
   BlockCholesky matrix(static_cast<int>(layers.start.rows()), layers.all);
   contact.bind(matrix, layers.blocks);
   std::mt19937 random(1);
@@ -124,7 +124,7 @@ TEST(FrictionTest, GradientAndHessianMatchTheEnergyAndTheHessianIsNeverIndefinit
   const Points3 gradient = differentiated(y);
   const Eigen::MatrixXd second = matrix.dense();
   ASSERT_GT(layers.friction_at(y).norm(), 0.1);
-  Contact smooth = layers.contact(0, 0);
+  SheetContact smooth = layers.contact(0, 0);
   smooth.bind(matrix, layers.blocks);
   matrix.set_zero();
   Points3 unused = Points3::Zero(y.rows(), 3);
@@ -151,8 +151,8 @@ TEST(FrictionTest, GradientAndHessianMatchTheEnergyAndTheHessianIsNeverIndefinit
 
 TEST(FrictionTest, ForcesAndTorquesOfAPairCancelAndSlidingMeetsFullFriction) {
   for (const Layers& layers : single_pairs()) {
-    const Contact contact = layers.contact(0.4, 0.4);
-    ASSERT_EQ(contact.active(layers.start), 1);
+    const SheetContact contact = layers.contact(0.4, 0.4);
+    ASSERT_EQ(contact.touching(layers.start), 1);
     Points3 y = layers.start, pressed = Points3::Zero(6, 3);
     y.bottomRows(3).rowwise() += sticking_shear * Eigen::RowVector3d(1, 0.3, 0);
     layers.contact(0, 0).differentiate(layers.start, pressed, nullptr);

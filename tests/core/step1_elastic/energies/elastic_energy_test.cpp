@@ -154,7 +154,7 @@ TEST(ElasticEnergyTest, EnergyAndMomentAreContinuousWhereATriangleYields) {
   EXPECT_NEAR(upper / lower, 1, 1e-8);  // 2 * 2e-9 is the slope
   EXPECT_LT((above - below).norm(), 1e-8 * at.norm());
   // beyond yield the other branch holds: the slope of the moment falls to eta
-  Matrix3 soft, stiff;
+  Matrix3d soft, stiff;
   bending_energy(t.rest, t.angles(t.past.yield - d), t.past, nullptr, &stiff);
   bending_energy(t.rest, t.angles(t.past.yield + d), t.past, nullptr, &soft);
   EXPECT_NEAR(t.theta.dot(soft * t.theta) / t.theta.dot(stiff * t.theta), t.rest.hardening, 1e-6);
@@ -164,9 +164,9 @@ TEST(ElasticEnergyTest, TangentOfAYieldingTriangleHasNoNegativeEigenvalue) {
   OneTriangle t;
   for (const double eta : {0.0, 0.3}) {
     t.rest.hardening = eta;
-    Matrix3 tangent;
+    Matrix3d tangent;
     bending_energy(t.rest, t.angles(3 * t.past.yield), t.past, nullptr, &tangent);
-    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3>(tangent).eigenvalues();
+    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(tangent).eigenvalues();
     ASSERT_GT(values[2], 1e-6);
     EXPECT_GT(values[0], -1e-12 * values[2]) << eta;
   }

@@ -3,7 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/step1_elastic/elastic.h"
-#include "core/step1_elastic/energies/incremental_potential.h"
+#include "core/step1_elastic/solver/incremental_potential.h"
 #include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ struct TwoLayers {
   std::optional<ElasticEnergy> of_low, of_high;
   Eigen::VectorXd mass_low, mass_high;
   std::vector<int> blocks, blocks_low, blocks_high;
-  std::optional<Contact> contact;
+  std::optional<SheetContact> contact;
   Points3 x, xhat;
   std::vector<std::pair<int, int>> coupled;
 
@@ -60,7 +60,7 @@ struct TwoLayers {
       for (int j = 0; j < i; ++j) coupled.emplace_back(i, j);
   }
 
-  IncrementalPotential potential(Contact* felt) {
+  IncrementalPotential potential(SheetContact* felt) {
     const int n = static_cast<int>(low.x.rows());
     SheetPotential of_first{*of_low, mass_low, blocks_low};
     of_first.xhat = xhat.topRows(n);
@@ -79,7 +79,7 @@ struct TwoLayers {
 TEST(JointStepTest, DerivativesOfThePotentialOfTwoSheetsMatchItsValue) {
   TwoLayers two;
   two.contact->begin(two.x, {});
-  ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
+  ASSERT_GT(two.contact->touching_by_sheet(two.x)[0].others, 100);
   BlockCholesky matrix(static_cast<int>(two.x.rows()), two.coupled);
   two.of_low->bind(matrix, two.blocks_low);
   two.of_high->bind(matrix, two.blocks_high);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/step1_elastic/contact/collider_contact.h"
-#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/contact/sheet_contact.h"
 #include "core/step1_elastic/energies/air_drag.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "core/step1_elastic/energies/external_forces.h"
@@ -46,7 +46,7 @@ struct SheetPotential {
 /// vertices stand one after the other, with one contact for all.
 struct IncrementalPotential {
   std::vector<SheetPotential> sheets;
-  Contact* contact;  // null: no self-contact
+  SheetContact* contact;  // null: no self-contact
 
   double operator()(const Points3& x) const;
 

@@ -1,4 +1,4 @@
-#include "core/step1_elastic/energies/incremental_potential.h"
+#include "core/step1_elastic/solver/incremental_potential.h"
 
 #include <algorithm>
 
@@ -65,7 +65,7 @@ double IncrementalPotential::differentiate(const Points3& x, HessianForm form, P
     }
     for (int v = 0; v < own.rows(); ++v)
       matrix.add(matrix.slot(sheet.block_of[v], sheet.block_of[v]),
-                 Matrix3(sheet.mass[v] * sheet.inertia * Matrix3::Identity()));
+                 Matrix3d(sheet.mass[v] * sheet.inertia * Matrix3d::Identity()));
   });
   return value;
 }

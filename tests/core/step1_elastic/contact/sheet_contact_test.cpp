@@ -1,4 +1,4 @@
-#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/contact/sheet_contact.h"
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/proximity.h"
@@ -44,22 +44,22 @@ Sheet two_layers(double gap) {
 /// [m] dhat of two_layers(), however far apart they are
 double dhat_of_layers() {
   const Sheet layers = two_layers(1);
-  return Contact(layers.pattern, layers.triangles).dhat();
+  return SheetContact(layers.pattern, layers.triangles).dhat();
 }
 
 Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
 /// Energy with a new list of pairs.
-double energy_at(Contact& contact, const Points3& x) {
+double energy_at(SheetContact& contact, const Points3& x) {
   contact.begin(x, {});
   return contact.energy(x);
 }
 
 TEST(SelfContactTest, GradientMatchesTheEnergyWithManyActivePairs) {
   const Sheet sheet = two_layers(0.4 * dhat_of_layers());
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {});
-  ASSERT_GT(contact.active(sheet.x), 200);
+  ASSERT_GT(contact.touching(sheet.x), 200);
   Points3 gradient = still(sheet);
   contact.differentiate(sheet.x, gradient, nullptr);
   ASSERT_GT(gradient.norm(), 1e-2);
@@ -84,7 +84,7 @@ TEST(SelfContactTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const Sheet apart = join(low, high);
-  const double dhat = Contact(apart.pattern, apart.triangles).dhat();
+  const double dhat = SheetContact(apart.pattern, apart.triangles).dhat();
   high.x.rowwise() += Eigen::RowVector3d(0.2, 0.2, 0.5 * dhat);
   for (int v = 0; v < high.x.rows(); ++v) high.x(v, 2) += 0.05 * dhat * normal(random);
   const Sheet sheet = join(low, high);
@@ -94,10 +94,10 @@ TEST(SelfContactTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
   for (int i = 0; i < n; ++i)
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky matrix(n, all);
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {});
   contact.bind(matrix, block);
-  ASSERT_GT(contact.active(sheet.x), 15);
+  ASSERT_GT(contact.touching(sheet.x), 15);
   Points3 gradient = still(sheet), before = still(sheet), after = still(sheet), way = still(sheet);
   contact.differentiate(sheet.x, gradient, &matrix);
   const Eigen::MatrixXd second = matrix.dense();
@@ -119,7 +119,7 @@ TEST(SelfContactTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
   for (int i = 0; i < m; ++i)
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky larger(m, all);
-  Contact many(layers.pattern, layers.triangles);
+  SheetContact many(layers.pattern, layers.triangles);
   many.begin(layers.x, {});
   many.bind(larger, block);
   Points3 unused = still(layers);
@@ -138,7 +138,7 @@ TEST(SelfContactTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
   for (int v = 0; v < move.rows(); ++v)
     move.row(v) << 1.5 * dhat * normal(random), 1.5 * dhat * normal(random),
         1.5 * dhat * normal(random);
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {});
   contact.update_candidates(sheet.x, move);
   std::set<std::pair<std::set<int>, Features>> listed;
@@ -177,16 +177,16 @@ TEST(SelfContactTest, AFlatOrGentlyRolledSheetIsCollisionFreeAndHasNoActivePair)
   Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const Points3 flat = sheet.x;
   test::roll(sheet, 0.2);  // 1 rad: with more, the straight motion would fold it
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   EXPECT_TRUE(contact.is_collision_free(flat, flat, {}));
   EXPECT_TRUE(contact.is_collision_free(flat, sheet.x, {}));
   contact.begin(sheet.x, {});
-  EXPECT_EQ(contact.active(sheet.x), 0);
+  EXPECT_EQ(contact.touching(sheet.x), 0);
 }
 
 TEST(SelfContactTest, ALayerThatJumpsThroughAnotherOrEndsCloseToItIsNotCollisionFree) {
   const Sheet sheet = two_layers(0.02);
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   const auto lowered = [&](double by) {
     Points3 x = sheet.x;
     for (int v = 0; v < x.rows(); ++v)
@@ -209,11 +209,11 @@ TEST(SelfContactTest, PairsThatHandlesBringTogetherAreExcluded) {
   sheet.x.bottomRows<2>().rowwise() += Eigen::RowVector3d(0, 0, 1e-4);
   const PositionConstraints ends{
       {0, sheet.x.row(0)}, {1, sheet.x.row(1)}, {40, sheet.x.row(0)}, {41, sheet.x.row(1)}};
-  Contact contact(sheet.pattern, sheet.triangles);
+  SheetContact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {});
-  EXPECT_GT(contact.active(sheet.x), 0);
+  EXPECT_GT(contact.touching(sheet.x), 0);
   contact.begin(sheet.x, ends);
-  EXPECT_EQ(contact.active(sheet.x), 0);
+  EXPECT_EQ(contact.touching(sheet.x), 0);
 }
 
 /// Whether an edge of triangle s passes through triangle t.
@@ -257,7 +257,7 @@ TEST(SelfContactTest, PairsThatBeginTouchingOrCrossingAreLeftOutUntilTheyHaveSep
     };
     set_upper(slope, 0);
     EXPECT_EQ(crossings(sheet) > 0, slope > 0);
-    Contact contact(sheet.pattern, sheet.triangles);
+    SheetContact contact(sheet.pattern, sheet.triangles);
     contact.begin(sheet.x, {});
     ASSERT_FALSE(contact.pairs().empty());
     for (const ContactPair& pair : contact.pairs())
@@ -268,7 +268,7 @@ TEST(SelfContactTest, PairsThatBeginTouchingOrCrossingAreLeftOutUntilTheyHaveSep
 
     set_upper(0, 0.4 * contact.dhat());
     contact.begin(sheet.x, {});
-    EXPECT_GT(contact.active(sheet.x), 100) << slope;
+    EXPECT_GT(contact.touching(sheet.x), 100) << slope;
   }
 }
 

@@ -67,11 +67,11 @@ struct SheetPartition {
 /// that contact keeps between them. The rotation is found from how far the sides of the triangle,
 /// or the two edges, rise along n; where two edges are nearly parallel, one of its two components
 /// is unknown and left out.
-class Contact {
+class SheetContact {
  public:
   /// number  of the sheet in the shot
-  Contact(const Points2& pattern, const Triangles&, double friction = 0, int number = 0);
-  Contact(const Points2& pattern, const Triangles&, SheetPartition);
+  SheetContact(const Points2& pattern, const Triangles&, double friction = 0, int number = 0);
+  SheetContact(const Points2& pattern, const Triangles&, SheetPartition);
 
   /// [m] dhat of the sheet: 0.5 mm, or 1 % of the side of a square of the same area if that is
   /// less; the largest one of several sheets.
@@ -126,12 +126,12 @@ class Contact {
   void bind(const BlockCholesky&, const std::vector<int>& block_of);
 
   const std::vector<ContactPair>& pairs() const { return pairs_; }
-  int active(const Points3& y) const;  // number of pairs closer than dhat
+  int touching(const Points3& y) const;  // number of pairs closer than dhat
 
-  struct Active {
+  struct Touching {
     int own = 0, others = 0;  // pairs with both features on the sheet; with one on another
   };
-  std::vector<Active> active_by_sheet(const Points3& y) const;
+  std::vector<Touching> touching_by_sheet(const Points3& y) const;
 
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row

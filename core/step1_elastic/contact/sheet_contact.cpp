@@ -1,10 +1,11 @@
-#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/contact/sheet_contact.h"
 
 #include "core/geometry/measure.h"
 #include "core/geometry/proximity.h"
+#include "core/geometry/rest_triangle.h"
+#include "core/step1_elastic/contact/additive_ccd.h"
 #include "core/step1_elastic/contact/barrier.h"
 #include "core/step1_elastic/contact/friction.h"
-#include "core/step1_elastic/energies/membrane.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,12 +93,14 @@ static SheetPartition alone(const Points2& pattern, const Triangles& triangles, 
           {0}};
 }
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction, int number)
-    : Contact(pattern, triangles, alone(pattern, triangles, friction, number)) {
+SheetContact::SheetContact(const Points2& pattern, const Triangles& triangles, double friction,
+                           int number)
+    : SheetContact(pattern, triangles, alone(pattern, triangles, friction, number)) {
   separation_bound_.emplace(pattern, triangles);
 }
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles, SheetPartition sheets)
+SheetContact::SheetContact(const Points2& pattern, const Triangles& triangles,
+                           SheetPartition sheets)
     : pattern_(pattern),
       triangles_(triangles),
       sheets_(std::move(sheets)),
@@ -105,12 +108,12 @@ Contact::Contact(const Points2& pattern, const Triangles& triangles, SheetPartit
       candidate_margin_(0.5 * dhat_),
       constraint_of_(pattern.rows(), -1) {}
 
-SweptBoxPairs& Contact::near() {
+SweptBoxPairs& SheetContact::near() {
   if (!near_) near_.emplace(triangles_);
   return *near_;
 }
 
-void Contact::set_constraints(const Points3& start, const PositionConstraints& hard) {
+void SheetContact::set_constraints(const Points3& start, const PositionConstraints& hard) {
   for (const PositionConstraint& c : hard_) constraint_of_[c.vertex] = -1;
   hard_ = hard;
   for (std::size_t k = 0; k < hard_.size(); ++k)
@@ -118,7 +121,7 @@ void Contact::set_constraints(const Points3& start, const PositionConstraints& h
   start_ = start;
 }
 
-double Contact::dhat_of(const std::array<int, 4>& v, Features features) const {
+double SheetContact::dhat_of(const std::array<int, 4>& v, Features features) const {
   std::array<Vector3d, 4> p;
   bool all_held = true;
   for (int i = 0; i < 4; ++i) {
@@ -146,8 +149,8 @@ double Contact::dhat_of(const std::array<int, 4>& v, Features features) const {
   return dhat_near_constraints(v, features, dhat);
 }
 
-double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features features,
-                                      double dhat) const {
+double SheetContact::dhat_near_constraints(const std::array<int, 4>& v, Features features,
+                                           double dhat) const {
   const int cut = second_of(features);  // corners before it belong to the first feature
   int first[2] = {-1, -1}, last[2] = {-1, -1};
   for (int i = 0; i < 4; ++i)
@@ -168,7 +171,7 @@ double Contact::dhat_near_constraints(const std::array<int, 4>& v, Features feat
 }
 
 template <class Visit>
-void Contact::for_each_pair(int a, int b, Visit visit) {
+void SheetContact::for_each_pair(int a, int b, Visit visit) {
   const auto has = [&](int t, int v) {
     return triangles_(t, 0) == v || triangles_(t, 1) == v || triangles_(t, 2) == v;
   };
@@ -190,8 +193,8 @@ void Contact::for_each_pair(int a, int b, Visit visit) {
   }
 }
 
-bool Contact::pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& v,
-                            Features features) const {
+bool SheetContact::pair_collides(const Points3& from, const Points3& to,
+                                 const std::array<int, 4>& v, Features features) const {
   const auto begin = corners(from, v), end = corners(to, v), move = moves(from, to, v);
   const double d0 = closest_points(begin, features).distance(),
                d1 = closest_points(end, features).distance();
@@ -202,7 +205,7 @@ bool Contact::pair_collides(const Points3& from, const Points3& to, const std::a
   return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, features) < 1);
 }
 
-bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) {
+bool SheetContact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) {
   bool met = false;
   for_each_pair(a, b, [&](const std::array<int, 4>& v, Features features) {
     met = met || pair_collides(from, to, v, features);
@@ -210,8 +213,8 @@ bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3
   return met;
 }
 
-bool Contact::is_collision_free(const Points3& from, const Points3& to,
-                                const PositionConstraints& hard) {
+bool SheetContact::is_collision_free(const Points3& from, const Points3& to,
+                                     const PositionConstraints& hard) {
   if (separation_bound_ && separation_bound_->holds_along_step(from, to, pattern_share))
     return true;
   set_constraints(from, hard);
@@ -232,8 +235,8 @@ bool Contact::is_collision_free(const Points3& from, const Points3& to,
   return true;
 }
 
-bool Contact::is_collision_free_between_sheets(const Points3& from, const Points3& to,
-                                               const PositionConstraints& hard) {
+bool SheetContact::is_collision_free_between_sheets(const Points3& from, const Points3& to,
+                                                    const PositionConstraints& hard) {
   set_constraints(from, hard);
   for (const auto& [a, b] : near().find(from, to - from, 0.5 * dhat_)) {
     if (sheets_.of_vertex[triangles_(a, 0)] == sheets_.of_vertex[triangles_(b, 0)]) continue;
@@ -244,7 +247,7 @@ bool Contact::is_collision_free_between_sheets(const Points3& from, const Points
   return true;
 }
 
-void Contact::find_initially_intersecting(const Points3& x) {
+void SheetContact::find_initially_intersecting(const Points3& x) {
   entangled_.clear();
   for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
     const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
@@ -264,7 +267,7 @@ void Contact::find_initially_intersecting(const Points3& x) {
   }
 }
 
-bool Contact::initially_intersecting(const std::array<int, 4>& v, Features features) const {
+bool SheetContact::initially_intersecting(const std::array<int, 4>& v, Features features) const {
   const auto belongs = [&](int t, int first, int last) {
     return std::all_of(v.begin() + first, v.begin() + last,
                        [&](int w) { return (triangles_.row(t).array() == w).any(); });
@@ -276,15 +279,15 @@ bool Contact::initially_intersecting(const std::array<int, 4>& v, Features featu
   });
 }
 
-void Contact::begin(const Points3& x, const PositionConstraints& hard,
-                    const FrictionHistory& history) {
+void SheetContact::begin(const Points3& x, const PositionConstraints& hard,
+                         const FrictionHistory& history) {
   set_constraints(x, hard);
   find_initially_intersecting(x);
   build_candidates(x, Points3::Zero(x.rows(), 3));
   begin_friction(history);
 }
 
-TouchingFeatures Contact::name_of(const ContactPair& pair, bool& swapped) const {
+TouchingFeatures SheetContact::name_of(const ContactPair& pair, bool& swapped) const {
   const auto [a, b] = sheets_of(pair.vertices, pair.features);
   TouchingFeatures name{{sheets_.number[a], sheets_.number[b]}, pair.vertices};
   std::array<int, 4>& v = name.vertices;
@@ -298,7 +301,7 @@ TouchingFeatures Contact::name_of(const ContactPair& pair, bool& swapped) const 
   return name;
 }
 
-void Contact::begin_friction(const FrictionHistory& history) {
+void SheetContact::begin_friction(const FrictionHistory& history) {
   friction_contacts_.clear();
   const std::vector<double>& mu = sheets_.friction;
   if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
@@ -317,20 +320,21 @@ void Contact::begin_friction(const FrictionHistory& history) {
   });
 }
 
-void Contact::remember(const Points3& y, FrictionHistory& history) const {
-  for (const FrictionContact& drag : friction_contacts_)
-    history.remember(drag.name, drag.to_history * sheared(trial_shear(drag, y)));
+void SheetContact::remember(const Points3& y, FrictionHistory& history) const {
+  for (const FrictionContact& friction : friction_contacts_)
+    history.remember(friction.name, friction.to_history * sheared(trial_shear(friction, y)));
 }
 
 /// [m] The shear of a pair with the sheets at y, if it does not slide.
-Eigen::Vector2d Contact::trial_shear(const FrictionContact& drag, const Points3& y) const {
-  Eigen::Vector2d u = drag.shear;
+Eigen::Vector2d SheetContact::trial_shear(const FrictionContact& friction, const Points3& y) const {
+  Eigen::Vector2d u = friction.shear;
   for (int i = 0; i < 4; ++i)
-    u += drag.along[i] * (y.row(drag.vertices[i]) - start_.row(drag.vertices[i])).transpose();
+    u += friction.along[i] *
+         (y.row(friction.vertices[i]) - start_.row(friction.vertices[i])).transpose();
   return u;
 }
 
-void Contact::build_candidates(const Points3& y, const Points3& move) {
+void SheetContact::build_candidates(const Points3& y, const Points3& move) {
   pairs_.clear();
   gap_bound_.clear();
   const Points3 end = y + move, low = y.cwiseMin(end), high = y.cwiseMax(end);
@@ -369,28 +373,27 @@ void Contact::build_candidates(const Points3& y, const Points3& move) {
   swept_ = true;
 }
 
-double Contact::drift(const Points3& y) const { return max_row_norm(y - reference_); }
+double SheetContact::drift(const Points3& y) const { return max_row_norm(y - reference_); }
 
-void Contact::update_candidates(const Points3& y, const Points3& move) {
+void SheetContact::update_candidates(const Points3& y, const Points3& move) {
   if (drift(y) <= candidate_margin_ && drift(y + move) <= candidate_margin_)
     swept_ = false;
   else
     build_candidates(y, move);
 }
 
-void Contact::commit_step(const Points3& y) {
+void SheetContact::commit_step(const Points3& y) {
   if (swept_) reference_ = y;
   swept_ = false;
 }
 
-double Contact::collision_free_step(const Points3& y, const Points3& move) const {
+double SheetContact::collision_free_step(const Points3& y, const Points3& move) const {
   const double fastest = 2 * max_row_norm(move), off = 2 * drift(y);
   const Points3 end = y + move;
   double share = 1;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];
-    // collision_free_step has another rule for tight gaps
-    if (const double d = gap_bound_[k] + pair.dhat - off; d > 1e-6 && 0.8 * d > fastest) continue;
+    if (is_certainly_free(gap_bound_[k] + pair.dhat - off, fastest)) continue;
     auto move_of = moves(y, end, pair.vertices);
     for (Vector3d& m : move_of) m *= share;
     share *= paperbake::collision_free_step(corners(y, pair.vertices), move_of, pair.features);
@@ -399,7 +402,7 @@ double Contact::collision_free_step(const Points3& y, const Points3& move) const
 }
 
 template <class Visit>
-void Contact::for_each_active(const Points3& y, double dhat_ratio, Visit visit) const {
+void SheetContact::for_each_active(const Points3& y, double dhat_ratio, Visit visit) const {
   const double off = 2 * drift(y);
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const double within = dhat_ratio * pairs_[k].dhat;
@@ -410,17 +413,18 @@ void Contact::for_each_active(const Points3& y, double dhat_ratio, Visit visit) 
   }
 }
 
-double Contact::energy(const Points3& y) const {
+double SheetContact::energy(const Points3& y) const {
   double sum = 0;
   for_each_active(y, 1, [&](std::size_t k, const ClosestPoints&, double d) {
     sum += barrier(d, pairs_[k].dhat).value;
   });
-  for (const FrictionContact& drag : friction_contacts_)
-    sum += drag.force * friction_mollifier(trial_shear(drag, y).norm(), sticking_shear).value;
+  for (const FrictionContact& friction : friction_contacts_)
+    sum +=
+        friction.force * friction_mollifier(trial_shear(friction, y).norm(), sticking_shear).value;
   return sum;
 }
 
-double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix) {
+double SheetContact::differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix) {
   double sum = 0;
   for_each_active(y, 1, [&](std::size_t k, const ClosestPoints& near, double d) {
     const Barrier b = barrier(d, pairs_[k].dhat);
@@ -433,41 +437,42 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
       slots_[k] = slots_of(v);
       placed_[k] = 1;
     }
-    const Matrix3 nn = b.second * n * n.transpose();
+    const Matrix3d nn = b.second * n * n.transpose();
     for (int p = 0, at = 0; p < 4; ++p)
       for (int q = p; q < 4; ++q, ++at)
         if (const double w = near.weights[p] * near.weights[q]; w != 0)
-          matrix->add(slots_[k][at], Matrix3(w * nn));
+          matrix->add(slots_[k][at], Matrix3d(w * nn));
   });
-  for (FrictionContact& drag : friction_contacts_) {
-    const Eigen::Vector2d shear = trial_shear(drag, y);
+  for (FrictionContact& friction : friction_contacts_) {
+    const Eigen::Vector2d shear = trial_shear(friction, y);
     const FrictionMollifierInPlane f = friction_mollifier(shear, sticking_shear);
-    sum += drag.force * f.value;
+    sum += friction.force * f.value;
     for (int i = 0; i < 4; ++i)
-      gradient.row(drag.vertices[i]) += drag.force * f.across * shear.transpose() * drag.along[i];
+      gradient.row(friction.vertices[i]) +=
+          friction.force * f.across * shear.transpose() * friction.along[i];
     if (!matrix) continue;
-    if (!drag.placed) {
-      drag.slots = slots_of(drag.vertices);
-      drag.placed = true;
+    if (!friction.placed) {
+      friction.slots = slots_of(friction.vertices);
+      friction.placed = true;
     }
     for (int p = 0, at = 0; p < 4; ++p) {
       const Eigen::Matrix<double, 3, 2> half =
-          drag.force * drag.along[p].transpose().lazyProduct(f.second);
+          friction.force * friction.along[p].transpose().lazyProduct(f.second);
       for (int q = p; q < 4; ++q, ++at)
-        matrix->add(drag.slots[at], Matrix3(half.lazyProduct(drag.along[q])));
+        matrix->add(friction.slots[at], Matrix3d(half.lazyProduct(friction.along[q])));
     }
   }
   return sum;
 }
 
-Contact::Slots Contact::slots_of(const std::array<int, 4>& v) const {
+SheetContact::Slots SheetContact::slots_of(const std::array<int, 4>& v) const {
   Slots slots;
   for (int p = 0, at = 0; p < 4; ++p)
     for (int q = p; q < 4; ++q, ++at) slots[at] = matrix_->slot(block_of_[v[p]], block_of_[v[q]]);
   return slots;
 }
 
-std::vector<std::pair<int, int>> Contact::coupled_vertices(const Points3& y) const {
+std::vector<std::pair<int, int>> SheetContact::coupled_vertices(const Points3& y) const {
   std::vector<std::pair<int, int>> coupled;
   for_each_active(y, spaced, [&](std::size_t k, const ClosestPoints&, double) {
     const std::array<int, 4>& v = pairs_[k].vertices;
@@ -477,15 +482,15 @@ std::vector<std::pair<int, int>> Contact::coupled_vertices(const Points3& y) con
   return coupled;
 }
 
-void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of) {
+void SheetContact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of) {
   matrix_ = &matrix;
   block_of_ = block_of;
   placed_.assign(pairs_.size(), 0);
-  for (FrictionContact& drag : friction_contacts_) drag.placed = false;
+  for (FrictionContact& friction : friction_contacts_) friction.placed = false;
 }
 
-std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
-  std::vector<Active> counts(sheets_.dhat.rows());
+std::vector<SheetContact::Touching> SheetContact::touching_by_sheet(const Points3& y) const {
+  std::vector<Touching> counts(sheets_.dhat.rows());
   for_each_active(y, 1, [&](std::size_t k, const ClosestPoints&, double) {
     const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].features);
     if (a == b)
@@ -498,7 +503,7 @@ std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
   return counts;
 }
 
-int Contact::active(const Points3& y) const {
+int SheetContact::touching(const Points3& y) const {
   int count = 0;
   for_each_active(y, 1, [&](std::size_t, const ClosestPoints&, double) { ++count; });
   return count;
