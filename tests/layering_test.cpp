@@ -1,15 +1,19 @@
 // Checks the layers of the source tree, core <- formats <- baker, by its #include lines. Inside
 // each layer the rooms (folders) lie on floors, and a room includes only rooms on lower floors. The
 // three steps of the method know nothing of each other, and each of them has one public header.
+// What a header declares is defined in its room.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -74,12 +78,15 @@ std::string step_of(const std::string& path) {
 
 /// Removes the comments, which may mention what the code must not do.
 std::string without_comments(std::string text) {
-  const auto blank = [&](const char* from, const char* to) {
-    for (std::size_t begin = 0; (begin = text.find(from, begin)) != std::string::npos;)
-      text.erase(begin, std::min(text.find(to, begin), text.size()) - begin);
-  };
-  blank("/*", "*/");
-  blank("//", "\n");
+  for (std::size_t begin = 0; (begin = text.find('/', begin)) != std::string::npos;) {
+    std::size_t end = begin;
+    if (text.compare(begin, 2, "//") == 0) end = text.find('\n', begin);
+    if (text.compare(begin, 2, "/*") == 0) end = text.find("*/", begin + 2) + 2;
+    if (end == begin)
+      ++begin;
+    else
+      text.erase(begin, end - begin);
+  }
   return text;
 }
 
@@ -107,6 +114,35 @@ std::vector<Source> all_sources() {
   for (const std::string& layer : layers)
     for (Source& source : sources_of(layer)) all.push_back(std::move(source));
   return all;
+}
+
+bool is_header(const Source& source) { return fs::path(source.path).extension() == ".h"; }
+
+/// Names of the functions outside of classes that a header declares and does not define. They begin
+/// at the left margin, as clang-format sets them.
+std::set<std::string> functions_declared_in(const Source& header) {
+  static const std::regex arguments("<[^<>;{}]*>"),
+      declaration(R"(\n(?!(struct|class|enum|using|template|namespace|extern|constexpr|inline)\b))"
+                  R"([A-Za-z:][^;{}()]*\b(\w+)\([^;{}]*\)( noexcept)?;)");
+  std::string code = header.code, before;
+  while (code != before) code = std::regex_replace(before = code, arguments, "");
+  std::set<std::string> names;
+  for (std::sregex_iterator it(code.begin(), code.end(), declaration), end; it != end; ++it)
+    names.insert((*it)[2]);
+  return names;
+}
+
+/// Names of the functions outside of classes that a .cpp defines, and perhaps some others.
+std::set<std::string> functions_defined_in(const Source& source) {
+  static const std::regex name(R"((^|[^\w:])(\w+)\()");
+  std::set<std::string> names;
+  std::istringstream lines(source.code);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || !std::isalpha(static_cast<unsigned char>(line[0]))) continue;
+    for (std::sregex_iterator it(line.begin(), line.end(), name), end; it != end; ++it)
+      names.insert((*it)[2]);
+  }
+  return names;
 }
 
 class LayeringTest : public testing::Test {
@@ -140,6 +176,32 @@ TEST_F(LayeringTest, AnIncludeGoesToALowerFloor) {
           << source.path << " includes " << include;
     }
   }
+}
+
+TEST_F(LayeringTest, AHeaderIsImplementedInItsOwnRoom) {
+  std::map<std::string, std::set<std::string>> defined;  // by header
+  for (const Source& source : all_sources()) {
+    if (is_header(source)) continue;
+    const std::string room = room_of(source.path), stem = fs::path(source.path).stem();
+    const std::set<std::string> names = functions_defined_in(source);
+    for (const std::string& include : source.includes) {
+      if (layer_of(include) < 0) continue;
+      EXPECT_TRUE(fs::path(include).stem() != stem || room_of(include) == room)
+          << source.path << " is in another room than " << include;
+      if (room_of(include) == room) defined[include].insert(names.begin(), names.end());
+    }
+  }
+  int declared = 0;
+  for (const Source& source : all_sources()) {
+    if (!is_header(source)) continue;
+    for (const std::string& name : functions_declared_in(source)) {
+      ++declared;
+      EXPECT_TRUE(defined[source.path].count(name))
+          << "no .cpp of " << room_of(source.path) << " that includes " << source.path
+          << " defines " << name;
+    }
+  }
+  EXPECT_GT(declared, 300) << "hardly a function that a header declares was found";
 }
 
 TEST_F(LayeringTest, EveryRoomThatHasAFloorExists) {

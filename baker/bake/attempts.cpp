@@ -30,28 +30,6 @@ int refinement(std::size_t attempt, AttemptReason reason) {
   return attempt % 2 == 1 && reason == AttemptReason::handle_off ? 2 : 4;
 }
 
-/// What the paper of an attempt with singular points does.
-const char* how_broken(const Attempt& attempt) {
-  return attempt.points >= points_of_a_crumple ? "crumples" : "breaks at single points";
-}
-
-/// Half a sentence on why the first attempt is doubted although its handles hold.
-std::string why_doubted(AttemptReason reason, const Attempt& first) {
-  if (reason == AttemptReason::coarse)
-    return fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
-                       first.base_triangles);
-  return fmt::format("the paper {} on a first mesh of {} triangles", how_broken(first),
-                     first.base_triangles);
-}
-
-/// Why a finer one is not baked. The end of a sentence.
-std::string why_not_better(const Attempt& finer, const Attempt& first) {
-  if (finer.points >= points_of_a_crumple || (first.points > 0 && finer.points >= first.points))
-    return fmt::format("because the paper {} on one of {}{}", how_broken(finer),
-                       finer.base_triangles, first.points > 0 ? ", too" : "");
-  return fmt::format("because one of {} is not better", finer.base_triangles);
-}
-
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
 /// those of the candidates that are most likely to be chosen next.
 void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candidate& chosen,
@@ -330,55 +308,6 @@ bool Attempts::load_choice() {
   if (choice.baked >= choice.tried.size()) return false;
   adopt(std::move(choice));
   return true;
-}
-
-const char* name_of(AttemptReason reason) {
-  switch (reason) {
-    case AttemptReason::handle_off:
-      return "handle off";
-    case AttemptReason::crumpled:
-      return "crumpled";
-    case AttemptReason::coarse:
-      return "coarse";
-  }
-  return "";
-}
-
-std::string describe(const AttemptChoice& choice) {
-  const Attempt &first = choice.tried.front(), &baked = choice.tried.at(choice.baked);
-  if (choice.reason != AttemptReason::handle_off) {
-    const Attempt& finer = choice.tried.back();
-    if (choice.tried.size() == 1)
-      return fmt::format("attempts: {}; it is baked, because none comes of a finer one",
-                         why_doubted(choice.reason, first));
-    return fmt::format(
-        "attempts: {}; {}", why_doubted(choice.reason, first),
-        choice.baked > 0
-            ? fmt::format("one of {} is baked{}", finer.base_triangles,
-                          baked.seed_offset > 0
-                              ? fmt::format(", with a seed that is higher by {}", baked.seed_offset)
-                              : "")
-            : "it is baked, " + why_not_better(finer, first));
-  }
-  std::string text =
-      fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",
-                  1e3 * first.off, first.frame);
-  const auto others = choice.tried.size() - 1;
-  if (choice.hopeless)
-    return text + fmt::format(
-                      "; it is baked, because in all {} attempts a handle is off by {:g} % "
-                      "of the sheet or more before the end, and they were given up",
-                      choice.tried.size(), AttemptChoice::hopeless_pct);
-  if (choice.baked == 0)
-    return text + fmt::format("; it is baked, because {} {} not better", others,
-                              others == 1 ? "other is" : "others are");
-  text += fmt::format(
-      "; attempt {} of {} is baked, where handles that paper can reach are off by {:.2g} mm at "
-      "most",
-      choice.baked + 1, choice.tried.size(), 1e3 * baked.off);
-  if (baked.base_triangles != first.base_triangles)
-    text += fmt::format(", on a first mesh of {} triangles", baked.base_triangles);
-  return text;
 }
 
 }  // namespace paperbake

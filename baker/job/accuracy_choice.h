@@ -32,7 +32,4 @@ struct AccuracyChoice {
   std::vector<TriedSize> tried;
 };
 
-/// One sentence on it.
-std::string describe(const AccuracyChoice&);
-
 }  // namespace paperbake

@@ -26,6 +26,10 @@ struct Attempt {
   int points = 0;       // singular points that were born in a sheet, at most
 };
 
+/// Half a sentence on why the first attempt is doubted although its handles hold. The reason is not
+/// handle_off.
+std::string why_doubted(AttemptReason, const Attempt& first);
+
 /// Which attempt of a shot is baked, and which were tried.
 struct AttemptChoice {
   // of the longer side: what is off by more never ends well

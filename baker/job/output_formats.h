@@ -1,15 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 namespace paperbake {
-
-class FrameWriter;
-struct WriterInput;
 
 /// Something that `--formats` can ask for.
 struct OutputFormat {
@@ -17,11 +13,11 @@ struct OutputFormat {
   std::string file;  // in the output folder; NAME stands for the stem of scene or job
   std::string what;  // a few words, for the help
   bool is_default;
+  // frames of meshes, which a writer takes (baker/output/frame_writer.h); else the bake writes it
+  // itself
+  bool has_frames;
   // it holds one mesh for the whole shot and cannot hold simulated meshes that change
   bool needs_one_mesh;
-  // makes the writer of its frames (baker/output/frame_writer.h); null: it has no frames of meshes,
-  // and the bake writes it itself
-  std::unique_ptr<FrameWriter> (*make_writer)(const WriterInput&);
 
   /// Folder inside the output folder that its files lie in; empty: none.
   std::string folder() const {
@@ -30,8 +26,8 @@ struct OutputFormat {
   }
 };
 
-/// Every format, in the order of the help. The table stands in baker/output/output_formats.cpp,
-/// beside the writers; options, defaults and the writers of a bake are read from it.
+/// Every format, in the order of the help. Options, defaults and the writers of a bake are read
+/// from this table.
 const std::vector<OutputFormat>& output_formats();
 
 /// Names of the formats that are written unless --formats says otherwise.

@@ -10,8 +10,8 @@ CacheWriters::CacheWriters(const std::set<std::string>& formats, const WriterInp
                            BakeFiles& files)
     : frames_(input.plan.frames), files_(files) {
   for (const OutputFormat& format : output_formats())
-    if (format.make_writer && formats.count(format.name))
-      writers_.push_back(format.make_writer(input));
+    if (format.has_frames && formats.count(format.name))
+      writers_.push_back(maker_of_writer(format.name)(input));
 }
 
 bool CacheWriters::store_crease_attributes() const {

@@ -62,20 +62,13 @@ class FrameWriter {
   virtual void write_ending(const BakeEnding&, BakeFiles&) {}
 };
 
-// The formats of baker/output/output_formats.cpp. Each throws Error(ErrorCode::folder) when its
-// file cannot be created.
+/// Makes a writer.
+/// throws  Error(ErrorCode::folder) when its file cannot be created
+using MakeWriter = std::unique_ptr<FrameWriter> (*)(const WriterInput&);
 
-/// NAME.abc, all sheets.
-std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput&);
-/// NAME.usda, all sheets.
-std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput&);
-/// NAME.usdc, the same in binary form.
-std::unique_ptr<FrameWriter> make_usdc_writer(const WriterInput&);
-/// NAME[.SHEET].pc2 and NAME[.SHEET].rest.obj, one pair for each sheet.
-std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput&);
-/// report.html, written when the bake has ended.
-std::unique_ptr<FrameWriter> make_report_writer(const WriterInput&);
-/// NAME.preview.png.
-std::unique_ptr<FrameWriter> make_preview_writer(const WriterInput&);
+/// How the writer of a format is made.
+/// format   its name (baker/job/output_formats.h)
+/// returns  null: it has no frames of meshes
+MakeWriter maker_of_writer(const std::string& format);
 
 }  // namespace paperbake

@@ -7,6 +7,7 @@
 #include "formats/files/atomic_file.h"
 
 #include <fmt/format.h>
+#include <map>
 
 namespace paperbake {
 namespace {
@@ -173,30 +174,26 @@ class PreviewFrameWriter : public FrameWriter {
   Preview preview_;
 };
 
+template <class Writer>
+std::unique_ptr<FrameWriter> make_writer(const WriterInput& input) {
+  return std::make_unique<Writer>(input);
+}
+
+template <UsdEncoding encoding>
+std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput& input) {
+  return std::make_unique<UsdFrameWriter>(input, encoding);
+}
+
 }  // namespace
 
-std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput& input) {
-  return std::make_unique<AlembicFrameWriter>(input);
-}
-
-std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput& input) {
-  return std::make_unique<UsdFrameWriter>(input, UsdEncoding::text);
-}
-
-std::unique_ptr<FrameWriter> make_usdc_writer(const WriterInput& input) {
-  return std::make_unique<UsdFrameWriter>(input, UsdEncoding::crate);
-}
-
-std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput& input) {
-  return std::make_unique<Pc2FrameWriter>(input);
-}
-
-std::unique_ptr<FrameWriter> make_report_writer(const WriterInput& input) {
-  return std::make_unique<ReportFrameWriter>(input);
-}
-
-std::unique_ptr<FrameWriter> make_preview_writer(const WriterInput& input) {
-  return std::make_unique<PreviewFrameWriter>(input);
+MakeWriter maker_of_writer(const std::string& format) {
+  static const std::map<std::string, MakeWriter> makers{
+      {"abc", make_writer<AlembicFrameWriter>},     {"pc2", make_writer<Pc2FrameWriter>},
+      {"preview", make_writer<PreviewFrameWriter>}, {"report", make_writer<ReportFrameWriter>},
+      {"usd", make_usd_writer<UsdEncoding::text>},  {"usdc", make_usd_writer<UsdEncoding::crate>},
+  };
+  const auto found = makers.find(format);
+  return found == makers.end() ? nullptr : found->second;
 }
 
 }  // namespace paperbake

@@ -27,6 +27,9 @@ BakePlan plan_with_accuracy(BakeSettings&, const std::function<void(const std::s
 BakePlan plan_with_accuracy(BakeSettings&, const std::function<void(const std::string&)>& log,
                             const std::function<BakePlan(const BakeSettings&)>& plan);
 
+/// One sentence on what was chosen.
+std::string describe(const AccuracyChoice&);
+
 /// Errors of a result, frame by frame, from its distances to the next finer one.
 /// With an error C n^-q of n triangles, the result on 2n triangles is nearer to the truth by the
 /// factor r = 2^-q, and the distance of the two is (1 - r) times the error of the coarser one.

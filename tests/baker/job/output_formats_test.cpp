@@ -1,6 +1,7 @@
 #include "baker/job/output_formats.h"
 
 #include "baker/job/options.h"
+#include "baker/output/frame_writer.h"
 #include "core/model/error.h"
 
 #include <gtest/gtest.h>
@@ -21,11 +22,17 @@ TEST(OutputFormatsTest, TheOptionKnowsEveryFormatOfTheTableAndDescribesIt) {
     BakeSettings settings;
     apply_option(settings, formats, format.name, "--formats", Origin::command);
     EXPECT_EQ(settings.formats, std::set<std::string>{format.name});
-    EXPECT_EQ(has_frames(settings.formats), format.make_writer != nullptr);
+    EXPECT_EQ(has_frames(settings.formats), format.has_frames);
   }
   EXPECT_EQ(all, "abc,maps,cert,report,usd,usdc,pc2,preview");
   BakeSettings settings;
   EXPECT_THROW(apply_option(settings, formats, "abc,gif", "--formats", Origin::command), Error);
+}
+
+TEST(OutputFormatsTest, AWriterIsKnownForThoseThatHaveFramesAndForNoOthers) {
+  for (const OutputFormat& format : output_formats())
+    EXPECT_EQ(maker_of_writer(format.name) != nullptr, format.has_frames) << format.name;
+  EXPECT_EQ(maker_of_writer("gif"), nullptr);
 }
 
 TEST(OutputFormatsTest, TheDefaultOfTheOptionIsThatOfTheSettings) {
