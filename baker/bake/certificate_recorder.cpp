@@ -50,12 +50,25 @@ void CertificateRecorder::consume(const AnimatedFrame& frame) {
   known_singular_ = singular.size();
   record_folds(*frame.sheet, frame.frame);
   if (!plan.frames.contains(frame.frame)) return;
-  FrameRecord& line = bake_.certificate.add_line(sheet_, measure(frame));
+  WrittenFrame now = look_at(frame);
+  FrameRecord& line = bake_.certificate.add_line(sheet_, measure(frame, now));
   count_intersections(*frame.sheet, line);
   record_handles(frame);
+  before_ = std::move(now);
 }
 
-FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
+/// Of a sheet that stands still, everything is where it was.
+CertificateRecorder::WrittenFrame CertificateRecorder::look_at(const AnimatedFrame& frame) const {
+  const Sheet& sheet = *frame.sheet;
+  const bool still = before_ && same_entries(sheet.x, before_->x);
+  const bool same = still && same_entries(sheet.triangles, before_->triangles);
+  Points3 samples = still ? before_->samples : samples_(sheet).x;
+  const int crossing = same ? before_->crossings : crossings(sheet);
+  return {frame.frame, sheet.x, std::move(samples), sheet.triangles, frame.handles, crossing};
+}
+
+FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame,
+                                         const WrittenFrame& now) const {
   const Sheet& sheet = *frame.sheet;
   const Shot& shot = bake_.plan.shots[sheet_];
   const LengthDistortion length = length_distortion(sheet);
@@ -71,16 +84,13 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   statistics.singular = static_cast<int>(sheet.singular.size());
   const std::vector<bool> folded = which_are_folded(sheet);
   statistics.folds = static_cast<int>(std::count(folded.begin(), folded.end(), true));
-  if (!same_entries(sheet.x, x_before_) || !same_entries(sheet.triangles, triangles_before_))
-    crossings_before_ = crossings(sheet);  // of a sheet that moves
-  triangles_before_ = sheet.triangles;
-  statistics.crossings = crossings_before_;
+  statistics.crossings = now.crossings;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     statistics.handle_error_max = std::max(statistics.handle_error_max, handle.error());
     if (handle.state == HandleFrame::jammed) r.jammed.push_back(jam_of(frame, h));
   }
-  measure_motion(frame, statistics);
+  if (before_ && now.samples.rows() > 0) measure_motion(now, statistics);
   r.note = frame.note;
   note_what_was_not_solved(frame, r);
   const bool handed_on = !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame.frame);
@@ -102,56 +112,49 @@ Jam CertificateRecorder::jam_of(const AnimatedFrame& frame, std::size_t handle) 
   return jam;
 }
 
-void CertificateRecorder::measure_motion(const AnimatedFrame& frame, FrameStatistics& statistics) {
-  // of a sheet that stands still the points are where they were
-  Points3 samples =
-      same_entries(frame.sheet->x, x_before_) ? samples_before_ : samples_(*frame.sheet).x;
-  if (samples_before_.rows() > 0) {
-    statistics.moved = rms_distance(samples, samples_before_);
-    for (std::size_t h = 0; h < frame.handles.size(); ++h)
-      if (frame.handles[h].state != HandleFrame::free &&
-          handles_before_[h].state != HandleFrame::free)
-        statistics.driven =
-            std::max(statistics.driven, (frame.handles[h].keyed - handles_before_[h].keyed).norm());
-    double by_colliders = 0;
-    if (const auto& colliders = bake_.plan.shots[sheet_].colliders)
-      for (int now = frame_before_ + 1; now <= frame.frame; ++now)
-        by_colliders += farthest_move(*colliders, now - bake_.plan.animation.first_frame);
-    statistics.driven = std::max(statistics.driven, by_colliders);
+void CertificateRecorder::measure_motion(const WrittenFrame& now,
+                                         FrameStatistics& statistics) const {
+  statistics.moved = rms_distance(now.samples, before_->samples);
+  for (std::size_t h = 0; h < now.handles.size(); ++h) {
+    const HandleFrame &handle = now.handles[h], &before = before_->handles[h];
+    if (handle.state != HandleFrame::free && before.state != HandleFrame::free)
+      statistics.driven = std::max(statistics.driven, (handle.keyed - before.keyed).norm());
   }
-  samples_before_ = std::move(samples);
-  frame_before_ = frame.frame;
+  double by_colliders = 0;
+  if (const auto& colliders = bake_.plan.shots[sheet_].colliders)
+    for (int frame = before_->frame + 1; frame <= now.frame; ++frame)
+      by_colliders += farthest_move(*colliders, frame - bake_.plan.animation.first_frame);
+  statistics.driven = std::max(statistics.driven, by_colliders);
 }
 
 /// A stored energy is a sum of squares. And paper that moves, or whose handles move, does not stand
 /// still to the last bit, unless its step was given up; or it is taut already, and they go on.
 void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
-                                                   FrameRecord& record) {
+                                                   FrameRecord& record) const {
   constexpr double least_motion = 1e-5;  // [m] of a handle within a frame
   if (frame.statistics.energy < 0)
     append_note(record.note,
                 fmt::format("the stored energy is below zero, {:.3g} J: the step was not "
                             "solved",
                             frame.statistics.energy));
-  const auto& before = handles_before_;
+  if (!before_) return;
+  const std::vector<HandleFrame>& before = before_->handles;
   bool moves = false;
   const Shot& shot = bake_.plan.shots[sheet_];
   const bool is_taut = std::any_of(record.jammed.begin(), record.jammed.end(),
                                    [](const Jam& jam) { return !jam.taut_to.empty(); });
-  for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
+  for (std::size_t h = 0; h < frame.handles.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
              (frame.handles[h].keyed - before[h].keyed).norm() > least_motion && !is_taut &&
              !is_out_of_reach(bake_.plan, shot.sheet_name, shot.handles[h].name, frame.frame);
   // where the simulation itself says why the sheet stays behind, that is enough
   const bool silent = !frame.statistics.converged && frame.note.empty();
-  record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, x_before_);
+  record.step_unsolved = (moves || silent) && same_entries(frame.sheet->x, before_->x);
   if (record.step_unsolved)
     append_note(record.note, moves ? "the sheet stands still although its handles move: the step "
                                      "was not solved"
                                    : "the sheet stands still although it is not at rest: the step "
                                      "was not solved");
-  handles_before_ = frame.handles;
-  x_before_ = frame.sheet->x;
 }
 
 /// Where nothing is handed on, the simulated sheet is judged.
@@ -161,14 +164,14 @@ void CertificateRecorder::judge_inside(const Sheet& sheet, FrameRecord& record) 
   enter(judge(sheet.x, record.frame - bake_.plan.animation.first_frame), record);
 }
 
-void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {
+void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) const {
   if (bake_.plan.shots.size() < 2) return;
   const int count = bake_.certificate.intersections.add(record.frame, sheet);
   record.statistics.crossings_with_others = count;
   if (count > 0) append_note(record.note, "passes through another sheet");
 }
 
-void CertificateRecorder::record_folds(const Sheet& sheet, int frame) {
+void CertificateRecorder::record_folds(const Sheet& sheet, int frame) const {
   std::vector<std::optional<int>>& first = bake_.certificate.frames_of_folding[sheet_];
   std::vector<CreaseLine>& found = bake_.certificate.found_creases[sheet_];
   const std::size_t announced = bake_.plan.shots[sheet_].pattern.prescribed_creases.size();
@@ -184,7 +187,7 @@ void CertificateRecorder::record_folds(const Sheet& sheet, int frame) {
   }
 }
 
-void CertificateRecorder::record_handles(const AnimatedFrame& frame) {
+void CertificateRecorder::record_handles(const AnimatedFrame& frame) const {
   const Shot& shot = bake_.plan.shots[sheet_];
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];

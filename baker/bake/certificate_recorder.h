@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,15 +22,24 @@ class CertificateRecorder {
   void consume(const AnimatedFrame&);
 
  private:
-  FrameRecord measure(const AnimatedFrame&);
+  /// What the next frame that is written is measured against.
+  struct WrittenFrame {
+    int frame;
+    Points3 x, samples;  // [m] of its vertices; of places on the pattern
+    Triangles triangles;
+    std::vector<HandleFrame> handles;
+    int crossings;
+  };
+  WrittenFrame look_at(const AnimatedFrame&) const;
+  FrameRecord measure(const AnimatedFrame&, const WrittenFrame& now) const;
   Jam jam_of(const AnimatedFrame&, std::size_t handle) const;
-  void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&);
+  /// Since the line before. Fills in `moved` and `driven`.
+  void measure_motion(const WrittenFrame& now, FrameStatistics&) const;
+  void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&) const;
   void judge_inside(const Sheet&, FrameRecord&) const;
-  void count_intersections(const Sheet&, FrameRecord&);
-  /// Since the line before.
-  void measure_motion(const AnimatedFrame&, FrameStatistics&);
-  void record_folds(const Sheet&, int frame);
-  void record_handles(const AnimatedFrame&);
+  void count_intersections(const Sheet&, FrameRecord&) const;
+  void record_folds(const Sheet&, int frame) const;
+  void record_handles(const AnimatedFrame&) const;
 
   const BakeContext& bake_;
   std::size_t sheet_;
@@ -38,12 +48,7 @@ class CertificateRecorder {
   std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
   PatternSamples samples_;
-  int frame_before_ = 0;                     // of the line before
-  Points3 samples_before_;                   // [m] there; empty: there is none
-  std::vector<HandleFrame> handles_before_;  // of the line before
-  Triangles triangles_before_;               // of the last frame that was written
-  int crossings_before_ = 0;
-  Points3 x_before_;
+  std::optional<WrittenFrame> before_;  // none: this is the first
 };
 
 }  // namespace paperbake
