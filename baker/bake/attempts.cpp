@@ -3,6 +3,7 @@
 #include "baker/bake/candidate.h"
 #include "baker/bake/task_queue.h"
 #include "baker/job/input_hash.h"
+#include "baker/output/checkpoints.h"
 #include "baker/output/frequent_message.h"
 #include "baker/output/output_folder.h"
 #include "core/animation/swing.h"

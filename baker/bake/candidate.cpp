@@ -1,5 +1,6 @@
 #include "baker/bake/candidate.h"
 
+#include "baker/output/checkpoints.h"
 #include "baker/output/gates.h"
 #include "core/hands/handle_feasibility.h"
 #include "core/model/error.h"
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace paperbake {
@@ -58,14 +60,33 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
   }
 }
 
-Candidate::Candidate(BakePlan plan, const Attempt& known, Comparison by, CandidateFolder folder,
-                     StopRequest& stop, StageClock& clock)
-    : plan_(std::move(plan)),
-      by_(by),
+class Candidate::Simulation {
+ public:
+  Simulation(const BakePlan&, const Attempt& known, CandidateFolder, StopRequest&, StageClock&);
+
+  /// Simulates the next frame; the first time only if the folder has none that was not known.
+  /// returns  what is known after each frame that was not known before; empty: it was stopped
+  std::vector<State> next_frame();
+
+ private:
+  void begin(std::vector<State>&);
+  void add(const AnimatedFrame&, std::vector<State>&);
+
+  const BakePlan& plan_;  // which nobody changes while a task reads it
+  CandidateFolder folder_;
+  StageClock& clock_;
+  std::vector<AnimateOptions> options_;
+  State now_;
+  int frames_ = 0;  // simulated
+  std::optional<Checkpoints> checkpoints_;
+  std::optional<Animation> animation_;
+};
+
+Candidate::Simulation::Simulation(const BakePlan& plan, const Attempt& known,
+                                  CandidateFolder folder, StopRequest& stop, StageClock& clock)
+    : plan_(plan),
       folder_(std::move(folder)),
       clock_(clock),
-      shown_{known},
-      ahead_{known},
       options_(options_of_sheets(plan_)),
       now_{known} {
   for (AnimateOptions& of_sheet : options_) {
@@ -73,6 +94,61 @@ Candidate::Candidate(BakePlan plan, const Attempt& known, Comparison by, Candida
     of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
   }
 }
+
+std::vector<Candidate::State> Candidate::Simulation::next_frame() {
+  const StageClock::Part part(&clock_, Stage::attempts);
+  std::vector<State> states;
+  try {
+    if (!checkpoints_) begin(states);
+    if (states.empty())
+      for (const AnimatedFrame& frame : animation_->next_frame()) {
+        checkpoints_->add(frame);
+        add(frame, states);
+      }
+  } catch (const Error& error) {
+    // whoever stops it knows; anything else the bake itself says, if no attempt is better
+    now_.failed = error.code != ErrorCode::stopped;
+    if (now_.failed) states.push_back(now_);
+  }
+  return states;
+}
+
+void Candidate::Simulation::begin(std::vector<State>& states) {
+  checkpoints_.emplace(folder_.path, plan_, folder_.checkpoint_every);
+  int last = plan_.animation.first_frame - 1;
+  if (folder_.goes_on) {
+    Checkpoints::ResumePoint resume = checkpoints_->load([&](const AnimatedFrame& frame) {
+      add(frame, states);
+      return true;
+    });
+    last = resume.last_frame;
+    for (std::size_t s = 0; s < resume.states.size(); ++s)
+      options_[s].resume_state = std::move(resume.states[s]);
+  }
+  if (last == plan_.animation.last_frame) return;
+  std::vector<AnimatedSheet> sheets;
+  for (std::size_t s = 0; s < plan_.shots.size(); ++s)
+    sheets.push_back({plan_.shots[s], plan_.methods[s], options_[s]});
+  animation_.emplace(sheets);
+}
+
+/// states  gets one when this was the frame's last sheet, and the frame was not known before
+void Candidate::Simulation::add(const AnimatedFrame& frame, std::vector<State>& states) {
+  add_frame(now_.attempt, frame, plan_);
+  if (frame.sheet_index + 1 < plan_.shots.size() || ++frames_ <= now_.attempt.frames) return;
+  now_.attempt.frames = frames_;
+  states.push_back(now_);
+}
+
+Candidate::Candidate(BakePlan plan, const Attempt& known, Comparison by, CandidateFolder folder,
+                     StopRequest& stop, StageClock& clock)
+    : plan_(std::move(plan)),
+      by_(by),
+      shown_{known},
+      ahead_{known},
+      simulation_(std::make_unique<Simulation>(plan_, known, std::move(folder), stop, clock)) {}
+
+Candidate::~Candidate() = default;
 
 bool Candidate::is_over(const State& state) const {
   return state.attempt.frames == frames_of(plan_);
@@ -98,7 +174,10 @@ std::string Candidate::describe_state(std::size_t number, std::size_t of) const 
 }
 
 void Candidate::start(std::launch on) {
-  task_ = std::async(on, [this] { return simulate(); });
+  task_ = std::async(on, [simulation = std::move(simulation_)]() mutable {
+    std::vector<State> states = simulation->next_frame();
+    return Simulated{std::move(simulation), std::move(states)};
+  });
 }
 
 void Candidate::look() {
@@ -107,7 +186,9 @@ void Candidate::look() {
 }
 
 void Candidate::take_in() {
-  for (State& state : task_.get()) not_shown_.push_back(std::move(state));
+  Simulated simulated = task_.get();
+  simulation_ = std::move(simulated.simulation);
+  for (State& state : simulated.states) not_shown_.push_back(std::move(state));
   if (!not_shown_.empty()) ahead_ = not_shown_.back();
 }
 
@@ -117,51 +198,6 @@ void Candidate::show_frame() {
   if (not_shown_.empty()) return;
   shown_ = std::move(not_shown_.front());
   not_shown_.pop_front();
-}
-
-std::vector<Candidate::State> Candidate::simulate() {
-  const StageClock::Part part(&clock_, Stage::attempts);
-  std::vector<State> states;
-  try {
-    if (!checkpoints_) begin(states);
-    if (states.empty())
-      for (const AnimatedFrame& frame : animation_->next_frame()) {
-        checkpoints_->add(frame);
-        add(frame, states);
-      }
-  } catch (const Error& error) {
-    // whoever stops it knows; anything else the bake itself says, if no attempt is better
-    now_.failed = error.code != ErrorCode::stopped;
-    if (now_.failed) states.push_back(now_);
-  }
-  return states;
-}
-
-void Candidate::begin(std::vector<State>& states) {
-  checkpoints_.emplace(folder_.path, plan_, folder_.checkpoint_every);
-  int last = plan_.animation.first_frame - 1;
-  if (folder_.goes_on) {
-    Checkpoints::ResumePoint resume = checkpoints_->load([&](const AnimatedFrame& frame) {
-      add(frame, states);
-      return true;
-    });
-    last = resume.last_frame;
-    for (std::size_t s = 0; s < resume.states.size(); ++s)
-      options_[s].resume_state = std::move(resume.states[s]);
-  }
-  if (last == plan_.animation.last_frame) return;
-  std::vector<AnimatedSheet> sheets;
-  for (std::size_t s = 0; s < plan_.shots.size(); ++s)
-    sheets.push_back({plan_.shots[s], plan_.methods[s], options_[s]});
-  animation_.emplace(sheets);
-}
-
-/// states  gets one when this was the frame's last sheet, and the frame was not known before
-void Candidate::add(const AnimatedFrame& frame, std::vector<State>& states) {
-  add_frame(now_.attempt, frame, plan_);
-  if (frame.sheet_index + 1 < plan_.shots.size() || ++frames_ <= now_.attempt.frames) return;
-  now_.attempt.frames = frames_;
-  states.push_back(now_);
 }
 
 }  // namespace paperbake

@@ -3,13 +3,12 @@
 #include "baker/bake/stage_clock.h"
 #include "baker/bake/stop_request.h"
 #include "baker/job/plan.h"
-#include "baker/output/checkpoints.h"
 #include "core/animation/animate.h"
 
 #include <deque>
 #include <filesystem>
 #include <future>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +37,7 @@ class Candidate {
   /// known   of it before: of its first known.frames frames
   Candidate(BakePlan plan, const Attempt& known, Comparison, CandidateFolder, StopRequest&,
             StageClock&);
+  ~Candidate();
 
   const Attempt& known() const { return shown_.attempt; }
   /// Whether it has shown a frame.
@@ -78,27 +78,22 @@ class Candidate {
   bool is_hopeless(const State&) const;
   double badness(const State&) const;
 
+  /// What simulates the frames, and knows the last one.
+  class Simulation;
+  /// What a task hands back. While it is busy, it alone has the simulation.
+  struct Simulated {
+    std::unique_ptr<Simulation> simulation;
+    std::vector<State> states;  // after each frame that was not known before
+  };
   void take_in();
-  std::vector<State> simulate();
-  void begin(std::vector<State>&);
-  void add(const AnimatedFrame&, std::vector<State>&);
 
-  BakePlan plan_;
+  const BakePlan plan_;
   Comparison by_;
-  CandidateFolder folder_;
-  StageClock& clock_;
   State shown_, ahead_;
   std::deque<State> not_shown_;  // after each frame from the one after shown_ to ahead_
   bool begun_ = false;
-
-  // of the task while there is one
-  std::vector<AnimateOptions> options_;
-  State now_;
-  int frames_ = 0;  // simulated
-  std::optional<Checkpoints> checkpoints_;
-  std::optional<Animation> animation_;
-
-  std::future<std::vector<State>> task_;  // the last member: it ends before the others do
+  std::unique_ptr<Simulation> simulation_;  // null: the task has it
+  std::future<Simulated> task_;             // the last member: it ends before the others do
 };
 
 /// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
