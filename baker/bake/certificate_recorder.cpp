@@ -36,10 +36,7 @@ CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sh
     : bake_(bake),
       sheet_(sheet),
       input_hash_(bake.plan.start_hash[sheet]),
-      samples_(bake.plan.shots[sheet].pattern, samples_along) {
-  const auto& colliders = bake.plan.shots[sheet].colliders;
-  if (colliders) colliders_ = std::make_shared<const JudgedColliders>(*colliders);
-}
+      samples_(bake.plan.shots[sheet].pattern, samples_along) {}
 
 void CertificateRecorder::consume(const AnimatedFrame& frame) {
   const BakePlan& plan = bake_.plan;
@@ -51,7 +48,10 @@ void CertificateRecorder::consume(const AnimatedFrame& frame) {
   record_folds(*frame.sheet, frame.frame);
   if (!plan.frames.contains(frame.frame)) return;
   WrittenFrame now = look_at(frame);
-  FrameRecord& line = bake_.certificate.add_line(sheet_, measure(frame, now));
+  FrameRecord record = measure(frame, now);
+  if (plan.shots[sheet_].colliders && !is_handed_on(frame.frame))
+    judge_inside(*frame.sheet, record);
+  FrameRecord& line = bake_.certificate.add_line(sheet_, std::move(record));
   count_intersections(*frame.sheet, line);
   record_handles(frame);
   before_ = std::move(now);
@@ -93,8 +93,6 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame,
   if (before_ && now.samples.rows() > 0) measure_motion(now, statistics);
   r.note = frame.note;
   note_what_was_not_solved(frame, r);
-  const bool handed_on = !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame.frame);
-  if (colliders_ && !handed_on) judge_inside(sheet, r);
   r.input_hash = input_hash_;
   return r;
 }
@@ -157,9 +155,14 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
                                      "was not solved");
 }
 
-/// Where nothing is handed on, the simulated sheet is judged.
-void CertificateRecorder::judge_inside(const Sheet& sheet, FrameRecord& record) const {
-  const double side = longer_side(bake_.plan.shots[sheet_].pattern);
+bool CertificateRecorder::is_handed_on(int frame) const {
+  return !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame);
+}
+
+void CertificateRecorder::judge_inside(const Sheet& sheet, FrameRecord& record) {
+  const Shot& shot = bake_.plan.shots[sheet_];
+  if (!colliders_) colliders_ = std::make_shared<const JudgedColliders>(*shot.colliders);
+  const double side = longer_side(shot.pattern);
   const CacheJudge judge(sheet.pattern / side, sheet.triangles, side, colliders_);
   enter(judge(sheet.x, record.frame - bake_.plan.animation.first_frame), record);
 }

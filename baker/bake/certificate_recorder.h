@@ -36,7 +36,9 @@ class CertificateRecorder {
   /// Since the line before. Fills in `moved` and `driven`.
   void measure_motion(const WrittenFrame& now, FrameStatistics&) const;
   void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&) const;
-  void judge_inside(const Sheet&, FrameRecord&) const;
+  /// A frame that is handed on is judged as it is in the cache.
+  bool is_handed_on(int frame) const;
+  void judge_inside(const Sheet&, FrameRecord&);
   void count_intersections(const Sheet&, FrameRecord&) const;
   void record_folds(const Sheet&, int frame) const;
   void record_handles(const AnimatedFrame&) const;
@@ -44,7 +46,7 @@ class CertificateRecorder {
   const BakeContext& bake_;
   std::size_t sheet_;
   std::string input_hash_;
-  // for frames that are not handed on; null: there are none
+  // for frames that are not handed on; null: there was none yet
   std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
   PatternSamples samples_;
