@@ -62,7 +62,7 @@ CertificateRecorder::WrittenFrame CertificateRecorder::look_at(const AnimatedFra
   const Sheet& sheet = *frame.sheet;
   const bool still = before_ && same_entries(sheet.x, before_->x);
   const bool same = still && same_entries(sheet.triangles, before_->triangles);
-  Points3 samples = still ? before_->samples : samples_(sheet).x;
+  Points3 samples = still ? before_->samples : samples_(sheet);
   const int crossing = same ? before_->crossings : crossings(sheet);
   return {frame.frame, sheet.x, std::move(samples), sheet.triangles, frame.handles, crossing};
 }

@@ -80,14 +80,14 @@ SampledShapes::SampledShapes(const BakePlan& plan) {
 }
 
 void SampledShapes::add(const AnimatedFrame& frame) {
-  shapes_[{frame.sheet_index, frame.frame}] = sheets_[frame.sheet_index].samples(*frame.sheet).x;
+  shapes_[{frame.sheet_index, frame.frame}] = sheets_[frame.sheet_index].samples(*frame.sheet);
 }
 
 std::optional<double> SampledShapes::distance(const AnimatedFrame& frame) const {
   const auto found = shapes_.find({frame.sheet_index, frame.frame});
   if (found == shapes_.end() || found->second.rows() == 0) return {};
   const SampledSheet& sheet = sheets_[frame.sheet_index];
-  return rms_distance(sheet.samples(*frame.sheet).x, found->second) / sheet.side;
+  return rms_distance(sheet.samples(*frame.sheet), found->second) / sheet.side;
 }
 
 }  // namespace paperbake

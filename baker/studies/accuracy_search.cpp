@@ -129,7 +129,7 @@ class AccuracySearch {
     simulate(plan, options_of_sheets(plan), settings.threads, [&](const AnimatedFrame& f) {
       const auto index = static_cast<std::size_t>(f.frame - first_frame_);
       r.shapes.resize(index + 1);
-      r.shapes[index].push_back(samples[f.sheet_index](*f.sheet).x /
+      r.shapes[index].push_back(samples[f.sheet_index](*f.sheet) /
                                 longer_side(plan.shots[f.sheet_index].pattern));
       r.seconds += 1e-3 * (f.statistics.elastic_ms + f.statistics.geometry_ms);
       if (is_crumpled(*f.sheet)) r.crumples_from = std::min(r.crumples_from, index);

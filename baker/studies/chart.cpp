@@ -91,7 +91,7 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
   try {
     simulate(plan, std::vector(sheets, animation), 1, [&](const AnimatedFrame& f) {
       if (!plan.frames.contains(f.frame)) return true;
-      r.shapes[f.sheet_index].push_back(samples[f.sheet_index](*f.sheet).x /
+      r.shapes[f.sheet_index].push_back(samples[f.sheet_index](*f.sheet) /
                                         longer_side(plan.shots[f.sheet_index].pattern));
       const LengthDistortion d = length_distortion(*f.sheet);
       ++wanted;

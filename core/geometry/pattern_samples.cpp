@@ -17,16 +17,22 @@ PatternSamples::PatternSamples(const Pattern& pattern, int along) {
     }
 }
 
-PatternSamples::Sampled PatternSamples::operator()(const Sheet& sheet) const {
+Points3 PatternSamples::operator()(const Sheet& sheet) const {
+  return interpolated(sheet, sheet.x);
+}
+
+Points3 PatternSamples::normals(const Sheet& sheet) const {
+  Points3 normals = interpolated(sheet, vertex_normals(sheet.x, sheet.triangles));
+  normals.rowwise().normalize();
+  return normals;
+}
+
+Points3 PatternSamples::interpolated(const Sheet& sheet, const Points3& per_vertex) const {
   const PointLocator locator(sheet.pattern, sheet.triangles);
-  const Points3 normals = vertex_normals(sheet.x, sheet.triangles);
-  Sampled sampled{Points3(points_.size(), 3), Points3(points_.size(), 3)};
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const MeshPoint place = locator.locate(points_[k]);
-    sampled.x.row(k) = interpolate(place, sheet.triangles, sheet.x);
-    sampled.normals.row(k) = interpolate(place, sheet.triangles, normals).normalized();
-  }
-  return sampled;
+  Points3 values(points_.size(), 3);
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    values.row(k) = interpolate(locator.locate(points_[k]), sheet.triangles, per_vertex);
+  return values;
 }
 
 double rms_distance(const Points3& a, const Points3& b) {

@@ -34,9 +34,8 @@ Run run(const Shot& shot, const MethodChoice& method, const Case& c, double fps)
   const PatternSamples samples(shot.pattern, grid);
   Run r;
   animate(shot, method, options, [&](const AnimatedFrame& f) {
-    PatternSamples::Sampled sampled = samples(*f.sheet);
-    r.frames.push_back(std::move(sampled.x));
-    r.normals.push_back(std::move(sampled.normals));
+    r.frames.push_back(samples(*f.sheet));
+    r.normals.push_back(samples.normals(*f.sheet));
     r.accepted += f.statistics.remesh == FrameStatistics::accepted;
     r.rejected += f.statistics.remesh == FrameStatistics::rejected;
     if (f.statistics.remesh == FrameStatistics::accepted)

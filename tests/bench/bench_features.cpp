@@ -54,7 +54,7 @@ void play(const Shot& shot, const AnimateOptions& as_baked, int off, Run& run) {
             ms += f.statistics.elastic_ms + f.statistics.geometry_ms;
             ++frames;
             if (!first_time) return true;
-            run.frames.push_back(samples(*f.sheet).x);
+            run.frames.push_back(samples(*f.sheet));
             run.touching += f.statistics.touching > 0;
             run.births += f.statistics.new_singular;
             run.plastic = f.statistics.plastic;

@@ -82,7 +82,7 @@ void compare(const Case& c, int triangles, Counts& all) {
             const Timed estimate = timed(estimator, *f.sheet, held),
                         fine = timed(polisher, *f.sheet, held);
             const Points3& truth = reference.frames[f.frame - 1];
-            const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth),
+            const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)), truth),
                          estimated = 100 / side * estimate.polished.moved;
             const bool within = std::abs(estimated / error - 1) <= 0.3;
             ++all.frames;
@@ -92,7 +92,7 @@ void compare(const Case& c, int triangles, Counts& all) {
                 "  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  "
                 "%4.0f ms, %2d it%s\n",
                 f.frame, estimated, error, estimated / error, within ? " " : "*", estimate.ms,
-                estimate.polished.iterations, pct(samples(fine.polished.sheet).x, truth), fine.ms,
+                estimate.polished.iterations, pct(samples(fine.polished.sheet), truth), fine.ms,
                 fine.polished.iterations, fine.polished.converged ? "" : ", not at rest");
             std::fflush(stdout);
             return true;

@@ -61,7 +61,7 @@ Shapes shapes_of(const Shot& shot, const MakeMethod& make, const Change& change,
   animate(paced(shot, change.pace), make(shot, change.turn), options, [&](const AnimatedFrame& f) {
     const double frame = f.frame * change.pace;
     if (frame >= common && std::fmod(frame, common) == 0)
-      shapes.frames.push_back(samples(*f.sheet).x);
+      shapes.frames.push_back(samples(*f.sheet));
     shapes.births += f.statistics.new_singular;
     return true;
   });

@@ -51,8 +51,7 @@ TEST(MeshCheck, FindsTheErrorThatFineFiniteElementsShow) {
   int compared = 0;
   for (const int frame : {20, 36, 40, 44}) {
     const double error =
-        rms_distance(samples(on_coarse.sheets.at(frame)).x, samples(fine.sheets.at(frame)).x) /
-        side;
+        rms_distance(samples(on_coarse.sheets.at(frame)), samples(fine.sheets.at(frame))) / side;
     // found at most a twentieth of the side ago
     const double found = on_coarse.mesh_error.at(frame);
     EXPECT_GT(found, 0) << frame;

@@ -41,9 +41,7 @@ TEST(RefineFrameTest, ACoarseFrameEndsWhereAFullRunOfFineFemIs) {
   const Polished polished = polish(coarse.sheet, coarse.held);
   ASSERT_TRUE(polished.converged);
   const PatternSamples samples(shot.pattern);
-  const auto rms = [&](const Sheet& a) {
-    return rms_distance(samples(a).x, samples(fine.sheet).x);
-  };
+  const auto rms = [&](const Sheet& a) { return rms_distance(samples(a), samples(fine.sheet)); };
   // 0.05 % of the sheet away from the fine run ...
   EXPECT_GT(rms(coarse.sheet), 5e-5);
   EXPECT_LT(rms(polished.sheet), 0.1 * rms(coarse.sheet));  // ... and this error is gone

@@ -63,7 +63,7 @@ Shot faster(Shot shot, int times) {
 /// RMS distance over a grid of points of the pattern. [m]
 double apart(const Ended& a, const Ended& b) {
   const PatternSamples samples(test::rectangle(0.1, 0.1));
-  return rms_distance(samples(a.sheet).x, samples(b.sheet).x);
+  return rms_distance(samples(a.sheet), samples(b.sheet));
 }
 
 TEST(StabilityTest, APushInOneFrameEndsWhereTheSlowOneDoes) {
