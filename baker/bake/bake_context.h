@@ -8,16 +8,12 @@
 #include "baker/output/cache_writers.h"
 #include "baker/output/progress.h"
 
-#include <string>
-#include <vector>
-
 namespace paperbake {
 
 /// What the stages of a bake share.
 struct BakeContext {
   const BakeSettings& settings;
   const BakePlan& plan;
-  std::vector<std::string> suffixes;  // of file names, one a sheet; empty where there is one sheet
   BakeFiles& files;
   BakeCertificate& certificate;
   CacheWriters& caches;

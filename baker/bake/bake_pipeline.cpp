@@ -50,10 +50,9 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
                            StageClock& clock)
     : files_(folder),
       certificate_(plan),
-      caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
+      caches_(settings.formats, {plan, folder}, files_),
       tasks_(settings.threads),
-      context_{settings, plan,  plan.file_suffixes, files_, certificate_, caches_, progress,
-               tasks_,   &clock} {
+      context_{settings, plan, files_, certificate_, caches_, progress, tasks_, &clock} {
   if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));

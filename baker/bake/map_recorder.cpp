@@ -67,7 +67,7 @@ std::shared_future<void> MapRecorder::start(const Draw& draw) {
 
 void MapRecorder::write_map(const std::string& frame) {
   const std::string name =
-      fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.suffixes[sheet_], frame);
+      fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.plan.file_suffixes[sheet_], frame);
   const auto write = [path = bake_.files.folder() / name](const CreaseMap& map, const MapInfo& of) {
     map.write(path, of);
   };

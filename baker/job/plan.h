@@ -43,7 +43,8 @@ struct BakePlan {
   std::vector<std::string> presets;  // of each sheet
   // of each sheet, numbered as its Pattern::prescribed_creases
   std::vector<std::vector<CreaseLine>> crease_lines;
-  // of each sheet: the part of its files' names that tells it from the others (file_names.h)
+  // of each sheet: the part of its files' names that tells it from the others (file_names.h), such
+  // as ".SHEET"; empty for a single one
   std::vector<std::string> file_suffixes;
   // simulated from the scene's first frame to the last one written
   AnimateOptions animation;

@@ -17,8 +17,6 @@ namespace paperbake {
 struct WriterInput {
   const BakePlan& plan;
   std::filesystem::path folder;
-  // of the names of files that there is one of for each sheet: ".SHEET", or empty for a single one
-  std::vector<std::string> suffixes;
 };
 
 /// What is known when all frames have been handed on.

@@ -83,7 +83,7 @@ class UsdFrameWriter : public FrameWriter {
 class Pc2FrameWriter : public FrameWriter {
  public:
   explicit Pc2FrameWriter(const WriterInput& input) : plan_(input.plan) {
-    for (const std::string& suffix : input.suffixes) {
+    for (const std::string& suffix : plan_.file_suffixes) {
       names_.push_back(plan_.name + suffix);
       writers_.push_back(std::make_unique<Pc2Writer>(input.folder / (names_.back() + ".pc2"),
                                                      input.folder / (names_.back() + ".rest.obj"),

@@ -41,15 +41,16 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   plan.seeds = {0};
   plan.presets = {"copy70"};
   plan.start_hash = {""};
+  plan.file_suffixes = {""};
   plan.frames = {1, 6, 1};
   hash_frames(plan);
   const double dt = 1 / plan.animation.fps;
   BakeFiles files(folder);
   BakeCertificate certificate(plan);
-  CacheWriters caches(settings.formats, {plan, folder, {""}}, files);
+  CacheWriters caches(settings.formats, {plan, folder}, files);
   Progress progress(ProgressMode::none, 6, Passes::simulate);
   TaskQueue tasks(1);
-  const BakeContext context{settings, plan, {""}, files, certificate, caches, progress, tasks};
+  const BakeContext context{settings, plan, files, certificate, caches, progress, tasks};
   SheetRecorder recorder(context, 0);
   for (int f = 1; f <= 6; ++f) {
     // the same mesh twice, then always another
