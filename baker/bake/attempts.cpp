@@ -157,9 +157,10 @@ BakePlan Attempts::plan_of(std::size_t number) const {
                                         attempt.base_triangles)));
   };
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    plan.seeds[s] += attempt.seed_offset;
-    plan.methods[s] = make_method(settings, plan.shots[s], plan.seeds[s], s);
-    with_attempt(plan.start_hash[s]);
+    PlannedSheet& sheet = plan.sheets[s];
+    sheet.seed += attempt.seed_offset;
+    sheet.method = make_method(settings, plan.shots[s], sheet.seed, s);
+    with_attempt(sheet.start_hash);
   }
   with_attempt(plan.simulation_hash);
   return plan;

@@ -29,7 +29,7 @@ class BakeCertificate {
   std::vector<SingularRecord> singular;
   double crease_length = 0;  // [m] of the last frames of all sheets
   // of each sheet: the lines along which it was folded although nothing announced them; their
-  // numbers follow those of BakePlan::crease_lines
+  // numbers follow those of PlannedSheet::crease_lines
   std::vector<std::vector<CreaseLine>> found_creases;
   // of each sheet and each of its crease lines: the first frame in which it is folded
   std::vector<std::vector<std::optional<int>>> frames_of_folding;

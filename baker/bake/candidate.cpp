@@ -128,7 +128,7 @@ void Candidate::Simulation::begin(std::vector<State>& states) {
   if (last == plan_.animation.last_frame) return;
   std::vector<AnimatedSheet> sheets;
   for (std::size_t s = 0; s < plan_.shots.size(); ++s)
-    sheets.push_back({plan_.shots[s], plan_.methods[s], options_[s]});
+    sheets.push_back({plan_.shots[s], plan_.sheets[s].method, options_[s]});
   animation_.emplace(sheets);
 }
 

@@ -35,7 +35,7 @@ double mean_rest_angle(const Sheet& sheet, const PrescribedCrease& crease) {
 CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sheet)
     : bake_(bake),
       sheet_(sheet),
-      input_hash_(bake.plan.start_hash[sheet]),
+      input_hash_(bake.plan.sheets[sheet].start_hash),
       samples_(bake.plan.shots[sheet].pattern, samples_along) {}
 
 void CertificateRecorder::consume(const AnimatedFrame& frame) {

@@ -66,8 +66,8 @@ std::shared_future<void> MapRecorder::start(const Draw& draw) {
 }
 
 void MapRecorder::write_map(const std::string& frame) {
-  const std::string name =
-      fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.plan.file_suffixes[sheet_], frame);
+  const std::string name = fmt::format("maps/{}{}.{}.exr", bake_.plan.name,
+                                       bake_.plan.sheets[sheet_].file_suffix, frame);
   const auto write = [path = bake_.files.folder() / name](const CreaseMap& map, const MapInfo& of) {
     map.write(path, of);
   };
@@ -75,8 +75,8 @@ void MapRecorder::write_map(const std::string& frame) {
 }
 
 MapInfo MapRecorder::info() const {
-  return {*last_frame_, bake_.plan.animation.fps, bake_.plan.seeds[sheet_],
-          bake_.plan.presets[sheet_]};
+  return {*last_frame_, bake_.plan.animation.fps, bake_.plan.sheets[sheet_].seed,
+          bake_.plan.sheets[sheet_].preset};
 }
 
 }  // namespace paperbake

@@ -81,7 +81,7 @@ void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {
       fmt::format("{}, {}, {}, frame {}", plan.name, shot.sheet_name, plan.method, frame.frame);
   const auto file =
       *bake_.settings.debug_pictures /
-      fmt::format("{}{}.{:04}.png", plan.name, plan.file_suffixes[sheet_], frame.frame);
+      fmt::format("{}{}.{:04}.png", plan.name, plan.sheets[sheet_].file_suffix, frame.frame);
   if (bake_.files.failures.try_write(file.string(),
                                      [&] { write_png(file, debug_picture(shot, frame, title)); }))
     bake_.files.add_picture(file);

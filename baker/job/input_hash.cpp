@@ -168,17 +168,19 @@ void hash_inputs(BakePlan& plan) {
     if (value.key != "scene.file") values += line;
     if (!is_of_output(value.key)) of_simulation += line;
   }
-  std::vector<std::string> simulated;
-  plan.start_hash.clear();
-  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
-    simulated.push_back(
-        hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
-  }
-  plan.start_hash = with_all(std::move(plan.start_hash));
-  plan.simulation_hash = with_all(std::move(simulated)).front();
+  const auto hashes_with = [&](const std::string& settings) {
+    std::vector<std::string> hashes;
+    for (std::size_t s = 0; s < plan.shots.size(); ++s)
+      hashes.push_back(
+          hex(content_hash(start_bytes(plan.shots[s], plan.sheets[s].seed, settings))));
+    return with_all(std::move(hashes));
+  };
+  const std::vector<std::string> start_hashes = hashes_with(values);
+  plan.simulation_hash = hashes_with(of_simulation).front();
   hash_frames(plan);
-  for (std::string hash : plan.start_hash) {
+  for (std::size_t s = 0; s < plan.sheets.size(); ++s) {
+    std::string hash = start_hashes[s];
+    plan.sheets[s].start_hash = hash;
     for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
       hash = frame_input_hash(hash, plan, f);
     job += hash;

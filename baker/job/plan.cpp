@@ -164,16 +164,17 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
                     to_string(!by_sheet                        ? settings.origin("seed")
                               : sheet.overridden.count("seed") ? Origin::job
                                                                : Origin::scene)});
-    plan.seeds.push_back(seed);
-    plan.presets.push_back(resolved.paper.name);
+    PlannedSheet& planned = plan.sheets.emplace_back();
+    planned.seed = seed;
+    planned.preset = resolved.paper.name;
     std::vector<ExpectedCrease> expected = expected_creases(sheet, plan.animation.first_frame);
-    plan.crease_lines.push_back(crease_lines(sheet, expected));
-    record_creases(sheet, plan.crease_lines.back(), used);
+    planned.crease_lines = crease_lines(sheet, expected);
+    record_creases(sheet, planned.crease_lines, used);
     for (const std::string& sentence : sheet.handles_off)
       plan.start_faults.push_back({{sheet.name}, sentence});
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
     add_expected_creases(plan.shots.back(), std::move(expected));
-    plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
+    planned.method = make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1);
   }
   return used;
 }
@@ -181,10 +182,11 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
 void name_files(BakePlan& plan) {
   std::vector<std::string> names;
   for (const Shot& shot : plan.shots) names.push_back(shot.sheet_name);
-  plan.file_suffixes = sheet_file_suffixes(names);
+  const std::vector<std::string> suffixes = sheet_file_suffixes(names);
+  for (std::size_t s = 0; s < suffixes.size(); ++s) plan.sheets[s].file_suffix = suffixes[s];
   for (const std::string& sentence : describe_shared_names(names))
     plan.warnings.push_back(sentence);
-  std::string legal = legal_shot_name(plan.name, plan.file_suffixes);
+  std::string legal = legal_shot_name(plan.name, suffixes);
   if (legal != plan.name)
     plan.warnings.push_back(fmt::format(
         "No file can have the name of this shot: the names of the files begin with \"{}\".",
@@ -244,7 +246,7 @@ bool is_out_of_reach(const BakePlan& plan, const std::string& sheet, const std::
 }
 
 unsigned seed_of_sheet(const BakePlan& plan, std::size_t sheet) {
-  return plan.seeds[sheet] + 0x9e3779b9u * static_cast<unsigned>(sheet);
+  return plan.sheets[sheet].seed + 0x9e3779b9u * static_cast<unsigned>(sheet);
 }
 
 std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan) {
@@ -258,7 +260,7 @@ void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, 
               const std::function<bool(const AnimatedFrame&)>& before_polish) {
   std::vector<AnimatedSheet> sheets;
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
-    sheets.push_back({plan.shots[s], plan.methods[s], options[s]});
+    sheets.push_back({plan.shots[s], plan.sheets[s].method, options[s]});
   if (plan.polish.triangles == 0) return animate_together(sheets, on_frame);
   // for velocities
   const auto wanted = [&](int frame) {

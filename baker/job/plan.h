@@ -31,6 +31,20 @@ struct StartFault {
 /// with a new singular point.
 constexpr int debug_picture_step = 6;
 
+/// What is decided about a sheet, besides its shot.
+struct PlannedSheet {
+  unsigned seed = 0;
+  std::string preset;                    // the name of its grade
+  std::vector<CreaseLine> crease_lines;  // numbered as its Pattern::prescribed_creases
+  // the part of its files' names that tells it from the others (file_names.h), such as ".SHEET";
+  // empty for a single one
+  std::string file_suffix;
+  MethodChoice method;
+  // of the sheet and those that it may touch: version, settings, paper, pattern, start shape,
+  // handle points
+  std::string start_hash;
+};
+
 /// Everything that a bake will do, decided before anything is simulated or written.
 struct BakePlan {
   // stem of the scene or job file: the names of the output files begin with it
@@ -39,13 +53,7 @@ struct BakePlan {
   bool guides = false;               // BakeSettings::guides
   bool usd_layers = false;           // BakeSettings::usd_layers
   std::vector<Shot> shots;           // one a sheet
-  std::vector<unsigned> seeds;       // of each sheet
-  std::vector<std::string> presets;  // of each sheet
-  // of each sheet, numbered as its Pattern::prescribed_creases
-  std::vector<std::vector<CreaseLine>> crease_lines;
-  // of each sheet: the part of its files' names that tells it from the others (file_names.h), such
-  // as ".SHEET"; empty for a single one
-  std::vector<std::string> file_suffixes;
+  std::vector<PlannedSheet> sheets;  // of each of them
   // simulated from the scene's first frame to the last one written
   AnimateOptions animation;
   std::string why_inertia;     // or why not
@@ -56,7 +64,6 @@ struct BakePlan {
   std::vector<FrameSpan> debug_frames;
   // its name, followed by "+fem" when frames are polished
   std::string method;
-  std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
   // how the size of the mesh was chosen; none: it was given
   std::optional<AccuracyChoice> accuracy;
@@ -65,10 +72,8 @@ struct BakePlan {
   std::vector<StartFault> start_faults;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml
-  // of each sheet, together with those it may touch: version, settings, paper, pattern, start
-  // shape, handle points
-  std::vector<std::string> start_hash;
-  // of all sheets: the same without the values that only concern which frames are written, and how
+  // of all sheets: as PlannedSheet::start_hash, without the values that only concern which frames
+  // are written, and how
   std::string simulation_hash;
   // of the input of each frame of the scene by itself: keyed positions of the handles, which of
   // them hold, what hands press, poses of the colliders

@@ -83,8 +83,8 @@ class UsdFrameWriter : public FrameWriter {
 class Pc2FrameWriter : public FrameWriter {
  public:
   explicit Pc2FrameWriter(const WriterInput& input) : plan_(input.plan) {
-    for (const std::string& suffix : plan_.file_suffixes) {
-      names_.push_back(plan_.name + suffix);
+    for (const PlannedSheet& sheet : plan_.sheets) {
+      names_.push_back(plan_.name + sheet.file_suffix);
       writers_.push_back(std::make_unique<Pc2Writer>(input.folder / (names_.back() + ".pc2"),
                                                      input.folder / (names_.back() + ".rest.obj"),
                                                      cache_info(plan_)));
@@ -147,7 +147,7 @@ class PreviewFrameWriter : public FrameWriter {
       : file_(input.plan.name + ".preview.png"),
         preview_(
             fmt::format("{}, {}, {}, seed {}, frames {}-{}", input.plan.name, input.plan.method,
-                        input.plan.presets.front(), input.plan.seeds.front(),
+                        input.plan.sheets.front().preset, input.plan.sheets.front().seed,
                         input.plan.frames.first, input.plan.frames.last),
             input.plan.frames, input.plan.shots.front().colliders,
             input.plan.animation.first_frame) {}

@@ -137,7 +137,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   }
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
-  const std::string& method = plan.methods.front().name;
+  const std::string& method = plan.sheets.front().method.name;
   const bool yields = plan.animation.plasticity == Plasticity::on, singular = method == "hybrid";
   const std::string let_go = dynamic || with_inertia == 0
                                  ? ""
@@ -178,9 +178,9 @@ Json sheets_of(const BakePlan& plan) {
   Json sheets = Json::array();
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name},
-                      {"preset", plan.presets[s]},
-                      {"files", plan.name + plan.file_suffixes[s]},
-                      {"seed", plan.seeds[s]},
+                      {"preset", plan.sheets[s].preset},
+                      {"files", plan.name + plan.sheets[s].file_suffix},
+                      {"seed", plan.sheets[s].seed},
                       {"width_m", extent(plan.shots[s].pattern).x()},
                       {"height_m", extent(plan.shots[s].pattern).y()},
                       {"handles", plan.shots[s].handles.size()}});
@@ -190,7 +190,7 @@ Json sheets_of(const BakePlan& plan) {
 Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
   Json lines = Json::array();
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    std::vector<CreaseLine> all = plan.crease_lines[s];
+    std::vector<CreaseLine> all = plan.sheets[s].crease_lines;
     all.insert(all.end(), creases.found[s].begin(), creases.found[s].end());
     for (std::size_t k = 0; k < all.size(); ++k) {
       const CreaseLine& crease = all[k];

@@ -25,7 +25,7 @@ struct SummaryEnding {
 /// The creases of a shot.
 struct SummaryCreases {
   double length;  // [m] in the last frame
-  // of each sheet: lines that nothing announced, numbered after those of BakePlan::crease_lines
+  // of each sheet: lines that nothing announced, numbered after those of PlannedSheet::crease_lines
   std::vector<std::vector<CreaseLine>> found;
   // of each sheet and each of its crease lines: the first frame in which it is folded
   std::vector<std::vector<std::optional<int>>> frames_of_folding;

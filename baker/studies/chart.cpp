@@ -181,9 +181,11 @@ class ChartRunner {
     BakeSettings first = settings.job;
     first.method = "fem";
     const BakePlan plan = plan_bake(first);
-    seed_ = plan.seeds.front();
+    std::vector<std::string> presets;
+    for (const PlannedSheet& sheet : plan.sheets) presets.push_back(sheet.preset);
+    seed_ = plan.sheets.front().seed;
     chart_.scene = fmt::format("{}, frames {}-{}, {}, gravity {:g} m/s2, stop {:g} m", plan.name,
-                               plan.frames.first, plan.frames.last, fmt::join(plan.presets, ", "),
+                               plan.frames.first, plan.frames.last, fmt::join(presets, ", "),
                                plan.animation.elastic.forces.gravity, settings.job.stop);
     chart_.machine = machine_name();
     if (const auto at =

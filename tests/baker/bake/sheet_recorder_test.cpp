@@ -38,10 +38,8 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   BakePlan plan;
   plan.name = "changing";
   plan.shots = {test::blank_shot(test::rectangle(0.1, 0.1))};
-  plan.seeds = {0};
-  plan.presets = {"copy70"};
-  plan.start_hash = {""};
-  plan.file_suffixes = {""};
+  plan.sheets.resize(1);
+  plan.sheets[0].preset = "copy70";
   plan.frames = {1, 6, 1};
   hash_frames(plan);
   const double dt = 1 / plan.animation.fps;

@@ -47,8 +47,8 @@ Shot moved(Shot shot, const Eigen::RowVector3d& by) {
 /// A plan of two sheets: that of another plan, and the same elsewhere.
 BakePlan doubled(BakePlan plan, const Eigen::RowVector3d& by) {
   plan.shots.push_back(moved(plan.shots.front(), by));
-  plan.methods.push_back(plan.methods.front());
-  plan.seeds.push_back(plan.seeds.front() + 1);
+  plan.sheets.push_back(plan.sheets.front());
+  ++plan.sheets.back().seed;
   return plan;
 }
 

@@ -26,7 +26,7 @@ Handle handle(const std::vector<double>& heights) {
 TEST(Twin, HandlesAreMovedByAMicrometreWhereTheyMoveAndNowhereElse) {
   BakePlan plan;
   plan.shots.push_back({});
-  plan.seeds = {7};
+  plan.sheets.emplace_back().seed = 7;
   plan.shots[0].handles = {handle({0, 0, 0.01, 0.02, 0.02, 0.02}), handle({0, 0, 0, 0, 0, 0})};
   const BakePlan twin = twin_of(plan);
   const Points3 moved = twin.shots[0].handles[0].keyed - plan.shots[0].handles[0].keyed;
@@ -43,7 +43,7 @@ TEST(Twin, HandlesAreMovedByAMicrometreWhereTheyMoveAndNowhereElse) {
 BakePlan plan_with(const Handle& handle) {
   BakePlan plan;
   plan.shots.push_back({});
-  plan.seeds = {7};
+  plan.sheets.emplace_back().seed = 7;
   plan.animation.first_frame = 1;
   Shot& shot = plan.shots[0];
   shot.pattern.outline = {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}};
