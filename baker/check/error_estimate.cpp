@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 #include <map>
 #include <optional>
-#include <stdexcept>
 
 namespace paperbake {
 namespace {
@@ -182,7 +181,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
   }
   const std::string lines = read_file(folder / "cert/frames.jsonl").value_or("");
   for (std::optional<FrameRecord>& record : parse_frame_lines(lines)) {
-    if (!record) throw std::runtime_error("a line of cert/frames.jsonl is not one of this version");
+    if (!record) throw Damage("a line of cert/frames.jsonl is not one of this version");
     std::vector<FrameRecord>& frames = sheets[number.at(record->sheet)].frames;
     frames.push_back(std::move(*record));
   }

@@ -18,8 +18,8 @@ enum class ErrorCode {
 // exit code of the tool when its work is done, with a result that is not as good as it has to be
 inline constexpr int gate_missed = 4;
 
-/// The exception of the project; what is thrown is one, or derived from it. It is written for the
-/// artist, and only the tool prints it:
+/// The exception of the project; what is thrown is one, or derived from it, or a Damage. It is
+/// written for the artist, and only the tool prints it:
 ///
 ///   place      file, node, frame: where
 ///   cause      one sentence: what is wrong, with numbers
@@ -35,6 +35,12 @@ struct Error : std::runtime_error {
 
   ErrorCode code;
   std::string place, cause, remedy;
+};
+
+/// What is wrong with the bytes of a file, as half a sentence: "a chunk is longer than the file".
+/// Whoever knows the name of the file catches it and makes an Error of it.
+struct Damage : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 }  // namespace paperbake

@@ -9,7 +9,6 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 #include <string_view>
 
 namespace paperbake {

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
 #include <string_view>
 
 namespace paperbake {
@@ -189,7 +188,7 @@ std::size_t size_of_type(std::size_t type) {
 
 namespace gltf {
 
-void refuse(const std::string& what) { throw std::runtime_error(what); }
+void refuse(const std::string& what) { throw Damage(what); }
 
 const Json& list(const Json& object, const char* key) {
   static const Json none = Json::array();
@@ -273,7 +272,7 @@ struct GltfFile::ElementView {
 /// view_of, view_index  the buffer views, and the one of the accessor
 /// element              [bytes] size of an element
 /// offset               [bytes] of the first element in the view
-/// throws               std::runtime_error when the view does not contain all of them
+/// throws               Damage when the view does not contain all of them
 GltfFile::ElementView GltfFile::elements(const Json& view_of, std::size_t view_index,
                                          std::size_t count, std::size_t element,
                                          std::size_t offset) {

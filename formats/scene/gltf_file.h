@@ -20,7 +20,7 @@ namespace paperbake {
 class GltfFile {
  public:
   /// throws Error(ErrorCode::scene) at `path` for another version or an unsupported compression;
-  /// std::exception that describes the damage of a damaged file
+  /// Damage or Json::exception for a damaged file
   GltfFile(const std::filesystem::path& path, Parts);
 
   const Json& json() const { return json_; }
@@ -29,8 +29,8 @@ class GltfFile {
   enum class Integers { normalized, as_flagged };
 
   /// The elements of an accessor: count x width numbers, one row per element.
-  /// throws Error(ErrorCode::scene) at `path` when a buffer is missing; std::runtime_error that
-  /// describes the damage of a damaged file
+  /// throws Error(ErrorCode::scene) at `path` when a buffer is missing; Damage or Json::exception
+  /// for a damaged file
   std::vector<double> numbers(std::size_t accessor, std::size_t width, Integers);
 
   /// The elements of an accessor of vertex indices. Throws as numbers() does.
@@ -54,7 +54,7 @@ class GltfFile {
 
 namespace gltf {
 
-/// Throws a std::runtime_error with what is wrong in a file.
+/// Throws Damage: what is wrong in a file.
 [[noreturn]] void refuse(const std::string& what);
 
 /// The array with this key; an empty one when the object has no such member.

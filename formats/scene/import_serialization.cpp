@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <type_traits>
 
 namespace paperbake {
@@ -71,7 +70,7 @@ static void archive(Serializer& a, ImportResult& r) { a(r.file, r.place, r.cause
 
 namespace {
 
-[[noreturn]] void refuse(const char* what) { throw std::runtime_error(what); }
+[[noreturn]] void refuse(const char* what) { throw Damage(what); }
 
 void check_times(double before, double time) {
   if (!std::isfinite(time) || time < before) refuse("a key is not a number, or is out of order");

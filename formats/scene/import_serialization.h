@@ -17,8 +17,8 @@ std::string serialize(ImportResult);
 
 /// Reads what serialize() wrote. Nothing in the bytes is trusted, because the importing process has
 /// run third-party code on an unchecked file.
-/// throws std::runtime_error when the bytes are not an ImportResult, or violate what import_file
-/// promises of an ImportedFile
+/// throws Error(ErrorCode::scene) when the bytes are not an ImportResult; Damage when they violate
+/// what import_file promises of an ImportedFile
 ImportResult deserialize(std::string_view bytes);
 
 }  // namespace paperbake

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <set>
-#include <stdexcept>
 
 namespace paperbake {
 namespace {
@@ -204,8 +203,10 @@ std::vector<AuthoredAttribute> read_attributes(GltfFile& file, const Json& attri
       if (!attribute.values.allFinite()) refuse("a value is not a number");
       found.push_back(std::move(attribute));
       found.back().name = name;
-    } catch (const std::runtime_error& error) {
-      left_out.push_back(fmt::format("{} is left out: {}.", semantic, error.what()));
+    } catch (const Damage& damage) {
+      left_out.push_back(fmt::format("{} is left out: {}.", semantic, damage.what()));
+    } catch (const Error& error) {  // its part of the file is missing
+      left_out.push_back(fmt::format("{} is left out: {} {}", semantic, error.cause, error.remedy));
     }
   };
   for (int n = 0; attributes.contains(fmt::format("COLOR_{}", n)); ++n)

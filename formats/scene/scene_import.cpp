@@ -152,9 +152,8 @@ ImportedFile import_file(const std::filesystem::path& path, std::optional<double
     if (!result.cause.empty())
       throw Error(ErrorCode::scene, result.place, result.cause, result.remedy);
     return std::move(result.file);
-  } catch (const std::runtime_error& error) {
-    if (dynamic_cast<const Error*>(&error)) throw;
-    reject(path, fmt::format("The file cannot be read: {}.", error.what()));
+  } catch (const Damage& damage) {
+    reject(path, fmt::format("The file cannot be read: {}.", damage.what()));
   }
 }
 

@@ -68,14 +68,13 @@ void ends_well(Call call) {
   }
 }
 
-/// The same for readers whose callers name the file: any std::runtime_error may reject the bytes.
+/// The same for readers whose callers name the file: a Damage may reject the bytes.
 template <class Call>
 void ends_well_or_refuses(Call call) {
   ends_well([&] {
     try {
       call();
-    } catch (const std::runtime_error& error) {
-      if (dynamic_cast<const Error*>(&error)) throw;
+    } catch (const Damage&) {
     } catch (const nlohmann::json::exception&) {
     }
   });

@@ -9,7 +9,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace paperbake {
@@ -27,12 +30,16 @@ std::vector<Number> ramp(int width, double from, double step) {
 }
 
 /// A square of 0.2 m with what `fixture` has for the next mesh, and two handles.
-Scene scene_of(test::GltfFixture fixture, const std::string& extras = "{}") {
+std::filesystem::path file_of(test::GltfFixture fixture, const std::string& extras = "{}") {
   const test::FlatMesh mesh = test::grid(2, 2, 0.2, 0.2);
   fixture.mesh("paper", mesh, extras);
   fixture.node("handle.a", mesh.x.front());
   fixture.node("handle.b", mesh.x.back());
-  return read_scene(fixture.write("attributes.gltf"));
+  return fixture.write("attributes.gltf");
+}
+
+Scene scene_of(const test::GltfFixture& fixture, const std::string& extras = "{}") {
+  return read_scene(file_of(fixture, extras));
 }
 
 const AuthoredAttribute* find(const AuthoredSurface& authored, const std::string& name) {
@@ -135,6 +142,26 @@ TEST(SceneAttributes, ThatAreDamagedAreLeftOutWithAWarning) {
   EXPECT_NE(warnings("_WEAR", 1, values).find("a value for each vertex"), std::string::npos);
   EXPECT_NE(warnings("COLOR_0", 2, ramp<float>(2, 0, 1)).find("another number of values"),
             std::string::npos);
+}
+
+TEST(SceneAttributes, OfWhichAPartOfTheFileIsMissingAreLeftOutWithAWarning) {
+  test::GltfFixture fixture;
+  fixture.attribute("_WEAR", 5126, 1, ramp<float>(1, 0, 1));
+  const std::filesystem::path path = file_of(fixture);
+  std::string text = test::whole(path);
+  const std::string first_view = R"("bufferViews":[{"buffer":)", end = "}]}";
+  text.replace(text.find(first_view + "0"), first_view.size() + 1, first_view + "1");
+  text.replace(text.rfind(end), end.size(), R"(},{"byteLength":36,"uri":"gone.bin"}]})");
+  std::ofstream(path, std::ios::binary) << text;
+  const Scene scene = read_scene(path);
+  EXPECT_EQ(names(scene.sheets.at(0).authored), std::vector<std::string>{"UVMap"});
+  std::string warnings;
+  for (const std::string& warning : scene.warnings) warnings += warning;
+  EXPECT_NE(
+      warnings.find("_WEAR is left out: A part of the file, \"gone.bin\" beside it, cannot be "
+                    "opened. Put it there"),
+      std::string::npos)
+      << warnings;
 }
 
 /// Two triangles side by side, each a mesh of its own.
