@@ -282,7 +282,7 @@ TEST_F(LayeringTest, CoreHasOneClockAndOnlyTheLoopsOverFramesReadIt) {
       << "the timers are gone, or this test no longer knows a clock when it sees one";
   std::sort(who.begin(), who.end());
   EXPECT_EQ(who, (std::vector<std::string>{"core/animation/animate.cpp",
-                                           "core/animation/refined_animation.cpp"}));
+                                           "core/animation/polished_animation.cpp"}));
 }
 
 TEST_F(LayeringTest, OnlyOneRoomParsesTheCommandLine) {

@@ -7,6 +7,7 @@
 #include "baker/output/frequent_message.h"
 #include "baker/output/output_folder.h"
 #include "core/animation/swing.h"
+#include "core/geometry/collider_motion.h"
 #include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
@@ -77,15 +78,18 @@ void Attempts::watch(const AnimatedFrame& frame) {
   if (may_be_finer(settings_)) watch_bends(frame);
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
-  moved_ |= have_moved(first_.shots[frame.sheet_index].handles, row);
+  moved_ = moved_ || has_moved(first_.shots[frame.sheet_index], row);
   failing_ = moved_ && seen_.off > tolerance_of_attempts();
 }
 
-bool have_moved(const std::vector<Handle>& handles, int row) {
-  return std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
-    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() >
-           tolerance_of_attempts();
-  });
+bool has_moved(const Shot& shot, int row) {
+  const double far = tolerance_of_attempts();
+  const auto is_off = [&](const Handle& handle) {
+    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() > far;
+  };
+  return std::any_of(shot.handles.begin(), shot.handles.end(), is_off) ||
+         (shot.colliders &&
+          farthest_move(shapes_at(*shot.colliders, 0), shapes_at(*shot.colliders, row)) > far);
 }
 
 bool Attempts::is_doubtful() const {
@@ -96,7 +100,7 @@ bool Attempts::is_doubtful() const {
 
 bool Attempts::is_mesh_doubted() const {
   return watches_ && !failing_ && may_be_finer(settings_) && !begins_finer_ &&
-         seen_.off <= tolerance_of_attempts() && (seen_.points > 0 || is_coarse());
+         is_within_tolerance(seen_) && (seen_.points > 0 || is_coarse());
 }
 
 std::string Attempts::caution() const {

@@ -17,15 +17,15 @@ namespace paperbake {
 /// the gate of handles allows, others are simulated beside it. The attempt whose handles have been
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
-/// matter of luck, and the first one is baked. Nor is it where no handle has moved: one that gives
-/// way then does so to a collider, however the paper buckles.
+/// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles nor
+/// colliders.
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
 /// more than a tenth of the frames. By how much is the larger of two numbers: how far the sheet is
 /// from where it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame),
-/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold and the
-/// mesh may be too coarse, the shot is simulated once more on a first mesh of four times as many
+/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold, no collider
+/// is in the paper and the mesh may be too coarse, the shot is simulated once more on a first mesh of four times as many
 /// triangles, with the seed of the bake. It ends when a sheet crumples there, or gets as many
 /// singular points as the sheet that had most in the first attempt, if there were any. If none does
 /// and the handles hold, this attempt is baked. If none does but a handle is off, and the first
@@ -109,12 +109,12 @@ class Attempts {
   // it, too, or as a flag
   bool begins_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
-  bool moved_ = false;  // whether a handle has (have_moved)
+  bool moved_ = false;  // whether anything has (has_moved)
 };
 
-/// Whether any handle is keyed farther from where it was in the first frame than the gate of
-/// handles allows it to be off.
+/// Whether a handle or a collider is keyed farther from where it was in the first frame than the
+/// gate of handles allows one to be off.
 /// row  frame - first frame of the scene
-bool have_moved(const std::vector<Handle>&, int row);
+bool has_moved(const Shot&, int row);
 
 }  // namespace paperbake

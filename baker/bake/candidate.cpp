@@ -38,6 +38,10 @@ int frames_of(const BakePlan& plan) {
 
 double tolerance_of_attempts() { return 1e-3 * Gates{}.handle_err_mm; }
 
+bool is_within_tolerance(const Attempt& attempt) {
+  return std::max(attempt.off, attempt.inside) <= tolerance_of_attempts();
+}
+
 void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
   const Shot& shot = plan.shots[frame.sheet_index];
   const double side = longer_side(shot.pattern);
@@ -45,6 +49,7 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
       frame.sheet->singular.begin(), frame.sheet->singular.end(),
       [&](const SingularPoint& p) { return p.frame_of_birth > plan.animation.first_frame; });
   attempt.points = std::max(attempt.points, static_cast<int>(born));
+  attempt.inside = std::max(attempt.inside, frame.statistics.inside_colliders);
   const auto held =
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
@@ -162,7 +167,7 @@ double Candidate::badness(const State& state) const {
   const Attempt& known = state.attempt;
   const bool is_no_better =
       by_.reason != AttemptReason::handle_off &&
-      (known.points >= by_.points || known.coarse || known.off > tolerance_of_attempts());
+      (known.points >= by_.points || known.coarse || !is_within_tolerance(known));
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
                                       : std::max(state.attempt.off, tolerance_of_attempts());
 }

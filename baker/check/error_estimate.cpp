@@ -2,7 +2,7 @@
 
 #include "core/animation/branch_search.h"
 #include "core/animation/cpu_clock.h"
-#include "core/animation/refine_frame.h"
+#include "core/animation/polisher.h"
 #include "core/model/error.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/config/lock_file.h"

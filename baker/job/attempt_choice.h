@@ -21,6 +21,7 @@ struct Attempt {
   double off = 0;       // [m] by which attempts are compared
   double off_pct = 0;   // [% of the longer side of its sheet]
   int frame = 0;        // in which it is
+  double inside = 0;    // [m] how deep a sheet is inside a collider at most
   int frames = 0;       // that were simulated
   bool coarse = false;  // whether it is doubted because of its coarse triangles
   int points = 0;       // singular points that were born in a sheet, at most

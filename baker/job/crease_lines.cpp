@@ -1,6 +1,8 @@
 #include "baker/job/crease_lines.h"
 
+#include "core/hands/fold_axis.h"
 #include "core/model/degrees.h"
+#include "core/model/segment2.h"
 #include "formats/config/job_file.h"
 
 #include <algorithm>
@@ -23,6 +25,18 @@ std::string origin_of(const ExpectedCrease& crease, const std::vector<Handle>& h
   return fmt::format(fmt::runtime(form), name(crease.plate), name(crease.other));
 }
 
+/// [m] How far the corners of a line are from another one, at most.
+double distance(const std::vector<Vector2d>& corners, const std::vector<Vector2d>& line) {
+  double most = 0;
+  for (const Vector2d& p : corners) {
+    double least = (p - line.front()).norm();
+    for (std::size_t k = 0; k + 1 < line.size(); ++k)
+      least = std::min(least, distance_to_segment(p, line[k], line[k + 1]));
+    most = std::max(most, least);
+  }
+  return most;
+}
+
 }  // namespace
 
 std::vector<ExpectedCrease> expected_creases(const SceneSheet& sheet, int first_frame) {
@@ -40,13 +54,27 @@ std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
       if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0)
         origin += fmt::format("; turned by {:.4g} degrees by {}", degrees_of(largest_turn(crease)),
                               origin_of(crease, sheet.handles));
-    lines.push_back({drawn[c].line, drawn[c].angle, false, origin});
+    lines.push_back({drawn[c].line, drawn[c].angle, false, origin,
+                     distance(sheet.pattern.prescribed_creases[c].line, drawn[c].line)});
   }
   for (const ExpectedCrease& crease : expected)
     for (const Segment2& part : crease.missing)
       lines.push_back(
           {{part.a, part.b}, largest_turn(crease), true, origin_of(crease, sheet.handles)});
   return lines;
+}
+
+std::vector<std::string> describe_moved(const std::string& sheet, double longer_side,
+                                        const std::vector<CreaseLine>& lines) {
+  std::vector<std::string> sentences;
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    if (lines[k].moved > on_line * longer_side)
+      sentences.push_back(fmt::format(
+          "Crease {} of \"{}\" is moved by up to {:.1f} mm, onto the line about which the handles "
+          "turn the paper: beside that line, paper would be missing. If it is to fold where it is "
+          "drawn, key the handles about that line.",
+          k + 1, sheet, 1e3 * lines[k].moved));
+  return sentences;
 }
 
 std::string describe(const CreaseLine& crease, std::size_t number) {

@@ -16,6 +16,8 @@ struct CreaseLine {
   double angle;
   bool expected;       // by the keys of the handles; else the artist has drawn it
   std::string origin;  // "job", "edges marked in the mesh", the name of a node, clamps or a row
+  // [m] how far a drawn one was moved at most, onto the line along which hands fold it
+  double moved = 0;
 };
 
 /// The creases that the handles of a sheet are going to fold in a scene that begins at this frame.
@@ -25,6 +27,11 @@ std::vector<ExpectedCrease> expected_creases(const SceneSheet&, int first_frame)
 /// expected ones. Line k is number k of Pattern::prescribed_creases in the plan of a bake; files
 /// number the lines of each sheet from 1.
 std::vector<CreaseLine> crease_lines(const SceneSheet&, const std::vector<ExpectedCrease>&);
+
+/// A sentence for each drawn crease that was moved by more than handles on its line may be off:
+/// somebody may have drawn it there on purpose.
+std::vector<std::string> describe_moved(const std::string& sheet, double longer_side,
+                                        const std::vector<CreaseLine>&);
 
 /// One line for people, without indentation and end: number, ends, angle and origin.
 std::string describe(const CreaseLine&, std::size_t number);

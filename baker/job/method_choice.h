@@ -41,7 +41,7 @@ MethodChoice make_method(const BakeSettings&, const Shot&, unsigned seed, std::s
 inline constexpr int min_polish_triangles = 100;
 
 /// Whether every frame is refined on a fine finite element mesh
-/// (core/animation/refined_animation.h).
+/// (core/animation/polished_animation.h).
 struct Polishing {
   int triangles = 0;  // 0: it is not
   std::string why;

@@ -6,7 +6,7 @@
 #include "baker/job/plan_warnings.h"
 #include "baker/job/used_values.h"
 #include "core/animation/inertia_need.h"
-#include "core/animation/refined_animation.h"
+#include "core/animation/polished_animation.h"
 #include "core/geometry/collider_facing.h"
 #include "core/hands/expected_creases.h"
 #include "core/model/error.h"
@@ -170,6 +170,9 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
     std::vector<ExpectedCrease> expected = expected_creases(sheet, plan.animation.first_frame);
     planned.crease_lines = crease_lines(sheet, expected);
     record_creases(sheet, planned.crease_lines, used);
+    for (std::string& sentence :
+         describe_moved(sheet.name, longer_side(sheet.pattern), planned.crease_lines))
+      plan.warnings.push_back(std::move(sentence));
     for (const std::string& sentence : sheet.handles_off)
       plan.start_faults.push_back({{sheet.name}, sentence});
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));

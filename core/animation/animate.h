@@ -74,8 +74,8 @@ struct AnimatedSheet {
 /// The dhat of two sheets is the smaller of their own two. If they begin closer to each other than
 /// that, it is 0.9 x their distance, and it grows with this distance as they move apart. Sheets
 /// that touch, intersect or share a border as they begin use 0.1 dhat, and the features that touch
-/// or intersect there are ignored (sheet_contact.h). If more than half of the vertices coincide, the
-/// two sheets ignore each other until they have moved apart.
+/// or intersect there are ignored (sheet_contact.h). If more than half of the vertices coincide,
+/// the two sheets ignore each other until they have moved apart.
 ///
 /// on_frame  called for every frame in order, and within a frame for every sheet in order
 /// source    this project

@@ -303,6 +303,30 @@ void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
   look_until(crease.line.b);
 }
 
+/// Whether creases are drawn along a line, two of them beside each other.
+bool is_between_two_drawn(const Segment2& line, const Pattern& pattern) {
+  const double side = longer_side(pattern);
+  const Vector2d direction = (line.b - line.a).normalized();
+  struct Drawn {
+    double from, to;  // [m] along the line
+    double beside;    // [m] from it to the middle of the part, positive on its left
+  };
+  std::vector<Drawn> all;
+  for (const PrescribedCrease& crease : pattern.prescribed_creases)
+    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+      const Segment2 drawn{crease.line[k], crease.line[k + 1]};
+      if (const auto part = part_along(line, drawn, same_line * side))
+        all.push_back({direction.dot(part->a - line.a), direction.dot(part->b - line.a),
+                       cross(direction, 0.5 * (drawn.a + drawn.b) - line.a)});
+    }
+  return std::any_of(all.begin(), all.end(), [&](const Drawn& a) {
+    return std::any_of(all.begin(), all.end(), [&](const Drawn& b) {
+      return std::min(a.to, b.to) - std::max(a.from, b.from) > same_line * side &&
+             std::abs(a.beside - b.beside) > on_line * side;
+    });
+  });
+}
+
 /// Adds the frames in which other hands fold along a line that is known, and the first ones do not
 /// hold.
 void add_turn(ExpectedCrease& crease, const FoldAxis& axis) {
@@ -350,14 +374,14 @@ std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_fra
                               axis.plate->handles,
                               axis.other->handles});
   const std::vector<ExpectedCrease> all = expected;
-  expected.erase(std::remove_if(expected.begin(), expected.end(),
-                                [&](const ExpectedCrease& crease) {
-                                  return std::any_of(
-                                      all.begin(), all.end(), [&](const ExpectedCrease& nearer) {
-                                        return is_beyond(crease, nearer, clamps, shot.pattern);
-                                      });
-                                }),
-                 expected.end());
+  const auto is_none = [&](const ExpectedCrease& crease) {
+    const auto cuts_off = [&](const ExpectedCrease& nearer) {
+      return is_beyond(crease, nearer, clamps, shot.pattern);
+    };
+    return is_between_two_drawn(crease.line, shot.pattern) ||
+           std::any_of(all.begin(), all.end(), cuts_off);
+  };
+  expected.erase(std::remove_if(expected.begin(), expected.end(), is_none), expected.end());
   join_ends(expected, 0, shot.pattern);
   const auto add = [&](std::vector<ExpectedCrease> more) {
     const std::size_t before = expected.size();

@@ -70,7 +70,10 @@ double largest_turn(const ExpectedCrease&);
 ///
 /// Creases that the artist has drawn along a line, to within 1 % of the longer side, are what hands
 /// fold there. They are moved onto the line (drawn_creases): a fold beside it would ask for paper
-/// that is not there.
+/// that is not there. Where two are drawn beside each other, as on both sides of the spine of a
+/// book, hands that turn about one and then about the other agree on a line between them in the
+/// end, but fold the paper along neither that line nor any other alone: there is none then, and the
+/// creases stay where they are drawn.
 ///
 /// Relative handles count as the absolute ones that they are while the sheet lies as it began
 /// (known_handles.h).

@@ -12,7 +12,7 @@
 // BENCH_CACHE=DIR in the environment keeps the runs of fem there.
 
 #include "core/animation/cpu_clock.h"
-#include "core/animation/refine_frame.h"
+#include "core/animation/polisher.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/hybrid.h"
 #include "core/render/curved_surface.h"

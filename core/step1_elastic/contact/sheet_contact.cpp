@@ -22,7 +22,7 @@ constexpr double gap_share = 0.9, min_share = 0.01;
 // [1] of dhat of the sheets: pairs whose dhat is less than this began so close, or have such close
 // targets, that their contact chatters; friction would jam them
 constexpr double lies_on = 0.5;
-constexpr double touching = 1e-12;  // [m] closer than this there is no direction to push in
+constexpr double no_distance = 1e-12;  // [m] closer than this there is no direction to push in
 // [1] fraction of dhat: pairs closer than this get blocks in the matrix
 constexpr double spaced = 1.5;
 
@@ -201,7 +201,7 @@ bool SheetContact::pair_collides(const Points3& from, const Points3& to,
   const bool free = d0 + d1 > relative_move(move, features);
   if (d1 >= dhat_ && free) return false;
   const double dhat = dhat_of(v, features);
-  if (dhat == 0 || d0 <= touching) return false;
+  if (dhat == 0 || d0 <= no_distance) return false;
   return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, features) < 1);
 }
 
@@ -362,7 +362,7 @@ void SheetContact::build_candidates(const Points3& y, const Points3& move) {
       const double least = d - relative_move(moves(y, end, v), features);
       if (least > within || initially_intersecting(v, features)) return;
       const double dhat = dhat_of(v, features);
-      if (dhat == 0 || least > dhat + 2 * candidate_margin_ || d <= touching) return;
+      if (dhat == 0 || least > dhat + 2 * candidate_margin_ || d <= no_distance) return;
       pairs_.push_back({v, features, dhat});
       gap_bound_.push_back(least - dhat);
     });

@@ -3,6 +3,7 @@
 #include "baker/bake/attempts.h"
 
 #include "tests/baker/bake/resume_fixture.h"
+#include "tests/core/collider_meshes.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -42,6 +43,15 @@ AnimatedFrame frame_with_handles_off(int number, double left, double right) {
   return frame;
 }
 
+/// A floor that sinks by 20 mm in the last of three frames.
+std::shared_ptr<const Colliders> falling_floor() {
+  ColliderMesh floor = test::box({-1, -1, -0.1}, {1, 1, 0});
+  Points3 lower = floor.x;
+  lower.col(2).array() -= 0.02;
+  floor.frames.own() = {floor.x, floor.x, lower};
+  return test::all({floor});
+}
+
 TEST(Attempt, IsAsBadAsTheHandleThatIsOffMost) {
   const BakePlan plan = plan_of_one_sheet();
   Attempt attempt;
@@ -52,14 +62,33 @@ TEST(Attempt, IsAsBadAsTheHandleThatIsOffMost) {
   EXPECT_EQ(attempt.frame, 1);
 }
 
-TEST(Attempt, IsMadeAgainOnlyWhereAHandleHasMoved) {
-  std::vector<Handle> handles(2);
-  handles[0].keyed = Points3::Zero(3, 3);
-  handles[1].keyed = (Points3(3, 3) << 0.1, 0, 0, 0.1, 0, 0.0005, 0.1, 0, 0.002).finished();
-  EXPECT_FALSE(have_moved(handles, 0));
-  EXPECT_FALSE(have_moved(handles, 1)) << "by half a millimetre, which the gate allows";
-  EXPECT_TRUE(have_moved(handles, 2));
-  EXPECT_TRUE(have_moved(handles, 9)) << "and stays there";
+TEST(Attempt, IsMadeAgainOnlyWhereAHandleOrAColliderHasMoved) {
+  Shot shot = plan_of_one_sheet().shots.front();
+  shot.handles[0].keyed = Points3::Zero(3, 3);
+  shot.handles[1].keyed = (Points3(3, 3) << 0.1, 0, 0, 0.1, 0, 0.0005, 0.1, 0, 0.002).finished();
+  EXPECT_FALSE(has_moved(shot, 0));
+  EXPECT_FALSE(has_moved(shot, 1)) << "by half a millimetre, which the gate allows";
+  EXPECT_TRUE(has_moved(shot, 2));
+  EXPECT_TRUE(has_moved(shot, 9)) << "and stays there";
+  for (Handle& handle : shot.handles) handle.keyed = Points3::Zero(3, 3);
+  EXPECT_FALSE(has_moved(shot, 2));
+  shot.colliders = falling_floor();
+  EXPECT_FALSE(has_moved(shot, 0));
+  EXPECT_TRUE(has_moved(shot, 2)) << "what moves may have pushed the paper the wrong way";
+}
+
+TEST(Attempt, IsNotWithinTheToleranceWhereAColliderIsInThePaper) {
+  AnimatedFrame frame = frame_with_handles_off(1, 0.0005, 0);
+  Attempt attempt;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_TRUE(is_within_tolerance(attempt));
+  frame.statistics.inside_colliders = 0.003;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_FALSE(is_within_tolerance(attempt));
+  frame.statistics.inside_colliders = 0;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_FALSE(is_within_tolerance(attempt)) << "it was in a frame before";
+  EXPECT_NEAR(attempt.off, 0.0005, 1e-12) << "which is of handles alone";
 }
 
 TEST(Attempt, CountsThePointsThatWereBornAndNotThoseThatTheArtistAskedFor) {

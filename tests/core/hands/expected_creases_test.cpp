@@ -359,6 +359,42 @@ TEST(ExpectedCreasesTest, WhatTheArtistHasDrawnAlongALineIsMovedOntoItAndFoldedB
   }
 }
 
+/// A book cover: the upper half turns a quarter about one edge of a spine, and then another one
+/// about the other edge of it.
+Shot cover_round_a_spine(double spine) {
+  const double from = 0.1485 - 0.5 * spine, to = from + spine;  // [m] along the longer side
+  const Poses flap = [=](double share) {
+    const double first = std::min(1.0, 2 * share), second = std::max(0.0, 2 * share - 1);
+    return turned(first * 90 * degrees, {0, from}, {1, 0}) *
+           turned(second * 88 * degrees, {0, to}, {1, 0});
+  };
+  Shot shot = held(a4, {{at_the_bottom, still}, {at_the_top, flap}});
+  shot.pattern.prescribed_creases = {{{{0, from}, {0.210, from}}, 0, false},
+                                     {{{0, to}, {0.210, to}}, 0, false}};
+  return shot;
+}
+
+TEST(ExpectedCreasesTest, TwoCreasesThatAreDrawnBesideEachOtherAreNotMovedOntoOneLine) {
+  for (const double spine : {0.002, 0.003, 0.004}) {
+    Shot shot = cover_round_a_spine(spine);
+    const std::vector<PrescribedCrease> drawn = shot.pattern.prescribed_creases;
+    const std::vector<ExpectedCrease> lines = lines_of(shot);
+    EXPECT_TRUE(lines.empty()) << spine;
+    add_expected_creases(shot, lines);
+    ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u) << spine;
+    for (std::size_t c = 0; c < 2; ++c)
+      EXPECT_EQ(shot.pattern.prescribed_creases[c].line, drawn[c].line) << spine;
+    // one of them alone is what hands fold there, and so is one that is drawn in two parts
+    shot = cover_round_a_spine(spine);
+    std::vector<PrescribedCrease>& creases = shot.pattern.prescribed_creases;
+    creases.pop_back();
+    EXPECT_EQ(lines_of(shot).size(), 1u) << spine;
+    creases.push_back(creases.front());
+    creases[0].line[1].x() = creases[1].line[0].x() = 0.1;
+    EXPECT_EQ(lines_of(shot).size(), 1u) << spine;
+  }
+}
+
 TEST(ExpectedCreasesTest, WhereTheArtistHasDrawnOnlyPartsOfALineTheOthersAreAdded) {
   Shot shot = held(a4, letter());
   const Vector2d inside(0.04, low_fold), end(0.09, low_fold), corner(0.12, low_fold),

@@ -16,7 +16,7 @@ struct PolishOptions {
 };
 
 /// The method finds the shape of each frame, then fine finite elements refine it to equilibrium
-/// (refine_frame.h). The whole shot is animated first. Then its frames are polished in parallel, on
+/// (polisher.h). The whole shot is animated first. Then its frames are polished in parallel, on
 /// one mesh that has all singular points and lasting creases of the shot. A frame depends only on
 /// its own unpolished shape and on the frames in which relative handles take hold: what such a
 /// handle holds from then on is the polished sheet.

@@ -1,4 +1,4 @@
-#include "core/animation/refine_frame.h"
+#include "core/animation/polisher.h"
 
 #include "core/animation/initial_sheet.h"
 #include "core/geometry/mesh_transfer.h"

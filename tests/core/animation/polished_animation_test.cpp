@@ -1,4 +1,4 @@
-#include "core/animation/refined_animation.h"
+#include "core/animation/polished_animation.h"
 
 #include "core/geometry/measure.h"
 #include "core/geometry/point_location.h"

@@ -1,8 +1,8 @@
-#include "core/animation/refined_animation.h"
+#include "core/animation/polished_animation.h"
 
 #include "core/animation/cpu_clock.h"
 #include "core/animation/initial_sheet.h"
-#include "core/animation/refine_frame.h"
+#include "core/animation/polisher.h"
 #include "core/geometry/judged_colliders.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
