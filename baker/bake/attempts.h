@@ -17,22 +17,22 @@ namespace paperbake {
 /// the gate of handles allows, others are simulated beside it. The attempt whose handles have been
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
-/// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles nor
-/// colliders.
+/// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles
+/// nor colliders.
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
 /// more than a tenth of the frames. By how much is the larger of two numbers: how far the sheet is
 /// from where it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame),
-/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold, no collider
-/// is in the paper and the mesh may be too coarse, the shot is simulated once more on a first mesh of four times as many
-/// triangles, with the seed of the bake. It ends when a sheet crumples there, or gets as many
-/// singular points as the sheet that had most in the first attempt, if there were any. If none does
-/// and the handles hold, this attempt is baked. If none does but a handle is off, and the first
-/// attempt was smooth, the finer mesh is tried once more, with another seed, where three attempts
-/// are allowed. A shot whose first mesh a rehearsal has made finer is not doubted in this way. Nor
-/// is one that is baked in part: its frames would depend on which part that is, and a message says
-/// that the whole shot may come out otherwise.
+/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold, no
+/// collider is in the paper and the mesh may be too coarse, the shot is simulated once more on a
+/// first mesh of four times as many triangles, with the seed of the bake. It ends when a sheet
+/// crumples there, or gets as many singular points as the sheet that had most in the first attempt,
+/// if there were any. If none does and the handles hold, this attempt is baked. If none does but a
+/// handle is off, and the first attempt was smooth, the finer mesh is tried once more, with another
+/// seed, where three attempts are allowed. A shot whose first mesh a rehearsal has made finer is
+/// not doubted in this way. Nor is one that is baked in part: its frames would depend on which part
+/// that is, and a message says that the whole shot may come out otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the

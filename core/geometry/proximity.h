@@ -32,8 +32,8 @@ bool pierces(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>
 /// vertices  vertex numbers of the tetrahedron's corners; -1: not a vertex of the mesh yet
 /// corners   [m] positions of these corners
 /// changing  triangles that take part in the change and are ignored
-/// returns   true when nothing else of the sheet lies within the tetrahedron or closer than
-///           `clearance` [m] to its edge 2-3
+/// returns   true when nothing else of the sheet lies within the tetrahedron, and no other edge is
+///           closer than `clearance` [m] to its edge 2-3
 bool tetrahedron_is_empty(const Sheet&, const std::array<int, 4>& vertices,
                           const std::array<Vector3d, 4>& corners, const std::vector<int>& changing,
                           double clearance);

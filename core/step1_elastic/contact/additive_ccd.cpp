@@ -48,7 +48,9 @@ double collision_free_step(const std::array<Vector3d, 4>& corners,
   const double speed = relative_move(moves, features);
   ClosestPoints near = closest_points(corners, features);
   double d = near.distance();
-  if (speed == 0 || is_certainly_free(d, speed)) return 1;
+  if (speed == 0) return 1;
+  if (d <= no_distance) return 0;
+  if (is_certainly_free(d, speed)) return 1;
   const double kept = gap_left(d);
   double t = 0;
   std::array<Vector3d, 4> x = corners;

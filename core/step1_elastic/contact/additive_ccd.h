@@ -7,9 +7,13 @@
 
 namespace paperbake {
 
+// [m] Closer than this there is no direction from one feature to the other, only rounding.
+inline constexpr double no_distance = 1e-12;
+
 /// Collision-free step of a pair of features: the fraction in [0, 1] of their moves that the four
 /// corners may follow so that at least a fifth of their distance is left all along. The fraction is
-/// smaller where it would take long to find. 0 for features that touch already.
+/// smaller where it would take long to find. 0 for features that touch already, to within
+/// no_distance.
 /// source  [Li 2021], additive continuous collision detection; where a slab between the two
 ///         features allows larger steps, these are taken
 double collision_free_step(const std::array<Vector3d, 4>& corners,

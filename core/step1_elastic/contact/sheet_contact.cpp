@@ -22,7 +22,6 @@ constexpr double gap_share = 0.9, min_share = 0.01;
 // [1] of dhat of the sheets: pairs whose dhat is less than this began so close, or have such close
 // targets, that their contact chatters; friction would jam them
 constexpr double lies_on = 0.5;
-constexpr double no_distance = 1e-12;  // [m] closer than this there is no direction to push in
 // [1] fraction of dhat: pairs closer than this get blocks in the matrix
 constexpr double spaced = 1.5;
 
