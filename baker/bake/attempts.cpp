@@ -78,18 +78,22 @@ void Attempts::watch(const AnimatedFrame& frame) {
   if (may_be_finer(settings_)) watch_bends(frame);
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
-  moved_ = moved_ || has_moved(first_.shots[frame.sheet_index], row);
-  failing_ = moved_ && seen_.off > tolerance_of_attempts();
+  const Shot& shot = first_.shots[frame.sheet_index];
+  handles_moved_ = handles_moved_ || have_moved(shot.handles, row);
+  colliders_moved_ = colliders_moved_ || (shot.colliders && have_moved(*shot.colliders, row));
+  failing_ = (handles_moved_ || colliders_moved_) && seen_.off > tolerance_of_attempts();
 }
 
-bool has_moved(const Shot& shot, int row) {
-  const double far = tolerance_of_attempts();
-  const auto is_off = [&](const Handle& handle) {
-    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() > far;
-  };
-  return std::any_of(shot.handles.begin(), shot.handles.end(), is_off) ||
-         (shot.colliders &&
-          farthest_move(shapes_at(*shot.colliders, 0), shapes_at(*shot.colliders, row)) > far);
+bool have_moved(const std::vector<Handle>& handles, int row) {
+  return std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
+    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() >
+           tolerance_of_attempts();
+  });
+}
+
+bool have_moved(const Colliders& colliders, int row) {
+  return farthest_move(shapes_at(colliders, 0), shapes_at(colliders, row)) >
+         tolerance_of_attempts();
 }
 
 bool Attempts::is_doubtful() const {
@@ -211,8 +215,8 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
                                : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
   std::vector<std::unique_ptr<Candidate>> all;
-  const std::size_t count =
-      reason_ == AttemptReason::handle_off ? static_cast<std::size_t>(settings_.attempts) : 2;
+  const bool is_luck = reason_ == AttemptReason::handle_off && handles_moved_;
+  const std::size_t count = is_luck ? static_cast<std::size_t>(settings_.attempts) : 2;
   while (all.size() < count) all.push_back(make_candidate(all.size(), stop, clock));
   FrequentMessage frequent;
   const auto best = [&] {

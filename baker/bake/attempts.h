@@ -18,7 +18,9 @@ namespace paperbake {
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
 /// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles
-/// nor colliders.
+/// nor colliders. Where only colliders have moved, there is one other attempt: what they push away
+/// they push away with most seeds. An attempt in which a collider gets into the paper by more than
+/// a handle may be off is given up.
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
@@ -109,12 +111,14 @@ class Attempts {
   // it, too, or as a flag
   bool begins_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
-  bool moved_ = false;  // whether anything has (has_moved)
+  bool handles_moved_ = false, colliders_moved_ = false;  // have_moved
 };
 
-/// Whether a handle or a collider is keyed farther from where it was in the first frame than the
-/// gate of handles allows one to be off.
+/// Whether any handle is keyed farther from where it was in the first frame than the gate of
+/// handles allows it to be off.
 /// row  frame - first frame of the scene
-bool has_moved(const Shot&, int row);
+bool have_moved(const std::vector<Handle>&, int row);
+/// The same of colliders.
+bool have_moved(const Colliders&, int row);
 
 }  // namespace paperbake

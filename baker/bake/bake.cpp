@@ -68,6 +68,12 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
   return resume.last_frame + 1;
 }
 
+std::string describe_rehearsal(long seconds) {
+  return fmt::format(
+      "The opening of the shot is rehearsed, to find a mesh on which it bends: {} s so far.",
+      seconds);
+}
+
 /// First stage: loads or simulates all frames of an attempt and records those that are not recorded
 /// yet, or those until it fails.
 /// returns  what ended the simulation before its last frame
@@ -83,7 +89,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
     of_sheet.report_plastic_curvature = kept || pipeline.needs_plastic_curvature();
     of_sheet.asks_to_stop = [&] {
       if (frequent && frequent->is_due())
-        progress.message("The opening of the shot is rehearsed, to find a mesh on which it bends.");
+        progress.message(describe_rehearsal(frequent->seconds_so_far()));
       return stop.is_made();
     };
   }

@@ -166,16 +166,20 @@ bool Candidate::is_hopeless(const State& state) const {
 double Candidate::badness(const State& state) const {
   const Attempt& known = state.attempt;
   const bool is_no_better =
-      by_.reason != AttemptReason::handle_off &&
-      (known.points >= by_.points || known.coarse || !is_within_tolerance(known));
+      known.inside > tolerance_of_attempts() ||
+      (by_.reason != AttemptReason::handle_off &&
+       (known.points >= by_.points || known.coarse || known.off > tolerance_of_attempts()));
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
                                       : std::max(state.attempt.off, tolerance_of_attempts());
 }
 
 std::string Candidate::describe_state(std::size_t number, std::size_t of) const {
-  return fmt::format("attempt {} of {}: frame {} of {}, a handle is off by {:.1f} mm so far",
-                     number, of, plan_.animation.first_frame + known().frames - 1,
-                     plan_.animation.last_frame, 1e3 * known().off);
+  const std::string so_far = by_.reason == AttemptReason::handle_off
+                                 ? fmt::format("a handle is off by {:.1f} mm", 1e3 * known().off)
+                                 : fmt::format("{} singular point(s)", known().points);
+  return fmt::format("attempt {} of {}: frame {} of {}, {} so far", number, of,
+                     plan_.animation.first_frame + known().frames - 1, plan_.animation.last_frame,
+                     so_far);
 }
 
 void Candidate::start(std::launch on) {

@@ -44,7 +44,8 @@ class Candidate {
   bool has_begun() const { return begun_; }
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
-  /// What attempts are compared by: all that are within the tolerance are alike. Where handles are
+  /// What attempts are compared by: all that are within the tolerance are alike. Those in which a
+  /// collider gets farther into the paper are infinitely bad. Where handles are
   /// not the reason, those are infinitely bad that have too many singular points, are too coarse,
   /// or are not within the tolerance, also of depth inside a collider.
   double badness() const { return badness(shown_); }

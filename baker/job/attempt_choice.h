@@ -38,7 +38,8 @@ struct AttemptChoice {
 
   AttemptReason reason = AttemptReason::handle_off;
   std::size_t baked = 0;  // index into tried
-  // all were off by a tenth of the sheet or more before the end of the shot, or failed
+  // before the end of the shot, all were off by a tenth of the sheet or more, had a collider in the
+  // paper, or failed
   bool hopeless = false;
   std::vector<Attempt> tried;
 };

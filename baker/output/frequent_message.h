@@ -5,7 +5,7 @@
 namespace paperbake {
 
 /// Says when people have waited long enough for a sign of life: five seconds since it was made, or
-/// since it said so last.
+/// since it said so last. And how long they have waited in all.
 class FrequentMessage {
  public:
   bool is_due() {
@@ -15,9 +15,13 @@ class FrequentMessage {
     last_ = now;
     return true;
   }
+  /// [s] from when it was made until it said so last
+  long seconds_so_far() const {
+    return std::chrono::duration_cast<std::chrono::seconds>(last_ - start_).count();
+  }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), last_ = start_;
 };
 
 }  // namespace paperbake

@@ -1,6 +1,5 @@
 #include "core/step3_developable/developable.h"
 
-#include "core/geometry/measure.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/SparseCholesky>
@@ -175,7 +174,7 @@ Restored restore_lengths(Sheet& sheet, const std::vector<int>& held,
     Points3 x = best;
     const double now =
         iteration.move(x, anchor) ? misfit(weighted.edges, x, options.left_alone) : least;
-    if (now < least && max_row_norm(x - sheet.x) <= options.max_move * size) {
+    if (now < least && (x - sheet.x).rowwise().norm().maxCoeff() <= options.max_move * size) {
       least = now;
       best = x;
       anchor *= 0.1;
@@ -184,7 +183,7 @@ Restored restore_lengths(Sheet& sheet, const std::vector<int>& held,
     }
   }
   result.after = worst(weighted.edges, best);
-  result.moved = max_row_norm(best - sheet.x);
+  result.moved = (best - sheet.x).rowwise().norm().maxCoeff();
   sheet.x = best;
   return result;
 }

@@ -63,18 +63,17 @@ TEST(Attempt, IsAsBadAsTheHandleThatIsOffMost) {
 }
 
 TEST(Attempt, IsMadeAgainOnlyWhereAHandleOrAColliderHasMoved) {
-  Shot shot = plan_of_one_sheet().shots.front();
-  shot.handles[0].keyed = Points3::Zero(3, 3);
-  shot.handles[1].keyed = (Points3(3, 3) << 0.1, 0, 0, 0.1, 0, 0.0005, 0.1, 0, 0.002).finished();
-  EXPECT_FALSE(has_moved(shot, 0));
-  EXPECT_FALSE(has_moved(shot, 1)) << "by half a millimetre, which the gate allows";
-  EXPECT_TRUE(has_moved(shot, 2));
-  EXPECT_TRUE(has_moved(shot, 9)) << "and stays there";
-  for (Handle& handle : shot.handles) handle.keyed = Points3::Zero(3, 3);
-  EXPECT_FALSE(has_moved(shot, 2));
-  shot.colliders = falling_floor();
-  EXPECT_FALSE(has_moved(shot, 0));
-  EXPECT_TRUE(has_moved(shot, 2)) << "what moves may have pushed the paper the wrong way";
+  std::vector<Handle> handles(2);
+  handles[0].keyed = Points3::Zero(3, 3);
+  handles[1].keyed = (Points3(3, 3) << 0.1, 0, 0, 0.1, 0, 0.0005, 0.1, 0, 0.002).finished();
+  EXPECT_FALSE(have_moved(handles, 0));
+  EXPECT_FALSE(have_moved(handles, 1)) << "by half a millimetre, which the gate allows";
+  EXPECT_TRUE(have_moved(handles, 2));
+  EXPECT_TRUE(have_moved(handles, 9)) << "and stays there";
+  const std::shared_ptr<const Colliders> floor = falling_floor();
+  EXPECT_FALSE(have_moved(*floor, 0));
+  EXPECT_FALSE(have_moved(*floor, 1));
+  EXPECT_TRUE(have_moved(*floor, 2));
 }
 
 TEST(Attempt, IsNotWithinTheToleranceWhereAColliderIsInThePaper) {
