@@ -5,6 +5,7 @@
 #include "baker/job/input_hash.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/frequent_message.h"
+#include "baker/output/gates.h"
 #include "baker/output/output_folder.h"
 #include "core/animation/swing.h"
 #include "core/geometry/collider_motion.h"
@@ -92,8 +93,7 @@ bool have_moved(const std::vector<Handle>& handles, int row) {
 }
 
 bool have_moved(const Colliders& colliders, int row) {
-  return farthest_move(shapes_at(colliders, 0), shapes_at(colliders, row)) >
-         tolerance_of_attempts();
+  return farthest_move(colliders, 0, row) > tolerance_of_attempts();
 }
 
 bool Attempts::is_doubtful() const {
@@ -104,7 +104,7 @@ bool Attempts::is_doubtful() const {
 
 bool Attempts::is_mesh_doubted() const {
   return watches_ && !failing_ && may_be_finer(settings_) && !begins_finer_ &&
-         is_within_tolerance(seen_) && (seen_.points > 0 || is_coarse());
+         worst_miss(seen_) <= 1 && (seen_.points > 0 || is_coarse());
 }
 
 std::string Attempts::caution() const {
@@ -205,6 +205,9 @@ bool Attempts::may_another_seed_do(const Candidate& finer) const {
 std::string Attempts::why_tried(const Attempt& before) const {
   if (reason_ != AttemptReason::handle_off && before.off <= tolerance_of_attempts())
     return why_doubted(reason_, before);
+  if (const Gates gates; before.inside / gates.inside_mm > before.off / gates.handle_err_mm)
+    return fmt::format("in the attempt before it the paper is {:.1f} mm inside a collider",
+                       1e3 * before.inside);
   return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
                      before.frame, 1e3 * before.off);
 }
@@ -284,7 +287,7 @@ std::string Attempts::key() const {
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried)
-    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.points});
+    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.points, t.inside});
   write_atomically(decision_, json_line({{"key", key()},
                                          {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
@@ -310,6 +313,7 @@ bool Attempts::load_choice() {
       attempt.frame = of_attempt.at(2);
       attempt.frames = of_attempt.at(3);
       attempt.points = of_attempt.at(4);
+      attempt.inside = of_attempt.at(5);
       choice.tried.push_back(attempt);
     }
   } catch (const std::exception&) {

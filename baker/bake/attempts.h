@@ -19,8 +19,8 @@ namespace paperbake {
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
 /// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles
 /// nor colliders. Where only colliders have moved, there is one other attempt: what they push away
-/// they push away with most seeds. An attempt in which a collider gets into the paper by more than
-/// a handle may be off is given up.
+/// they push away with most seeds. Depth inside a collider counts as much as a handle that misses
+/// its gate as many times (worst_miss).
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in

@@ -38,8 +38,9 @@ int frames_of(const BakePlan& plan) {
 
 double tolerance_of_attempts() { return 1e-3 * Gates{}.handle_err_mm; }
 
-bool is_within_tolerance(const Attempt& attempt) {
-  return std::max(attempt.off, attempt.inside) <= tolerance_of_attempts();
+double worst_miss(const Attempt& attempt) {
+  return std::max(1e3 * attempt.off / Gates{}.handle_err_mm,
+                  1e3 * attempt.inside / Gates{}.inside_mm);
 }
 
 void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
@@ -49,7 +50,8 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
       frame.sheet->singular.begin(), frame.sheet->singular.end(),
       [&](const SingularPoint& p) { return p.frame_of_birth > plan.animation.first_frame; });
   attempt.points = std::max(attempt.points, static_cast<int>(born));
-  attempt.inside = std::max(attempt.inside, frame.statistics.inside_colliders);
+  if (frame.frame > plan.animation.first_frame)  // where it begins is the same in all
+    attempt.inside = std::max(attempt.inside, frame.statistics.inside_colliders);
   const auto held =
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
@@ -165,18 +167,17 @@ bool Candidate::is_hopeless(const State& state) const {
 
 double Candidate::badness(const State& state) const {
   const Attempt& known = state.attempt;
-  const bool is_no_better =
-      known.inside > tolerance_of_attempts() ||
-      (by_.reason != AttemptReason::handle_off &&
-       (known.points >= by_.points || known.coarse || known.off > tolerance_of_attempts()));
+  const bool is_no_better = by_.reason != AttemptReason::handle_off &&
+                            (known.points >= by_.points || known.coarse || worst_miss(known) > 1);
   return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
-                                      : std::max(state.attempt.off, tolerance_of_attempts());
+                                      : std::max(1.0, worst_miss(known));
 }
 
 std::string Candidate::describe_state(std::size_t number, std::size_t of) const {
-  const std::string so_far = by_.reason == AttemptReason::handle_off
-                                 ? fmt::format("a handle is off by {:.1f} mm", 1e3 * known().off)
-                                 : fmt::format("{} singular point(s)", known().points);
+  const std::string so_far =
+      by_.reason == AttemptReason::handle_off
+          ? fmt::format("a handle is off by {:.1f} mm", 1e3 * known().off)
+          : fmt::format("{} sharp point{}", known().points, known().points == 1 ? "" : "s");
   return fmt::format("attempt {} of {}: frame {} of {}, {} so far", number, of,
                      plan_.animation.first_frame + known().frames - 1, plan_.animation.last_frame,
                      so_far);

@@ -44,10 +44,9 @@ class Candidate {
   bool has_begun() const { return begun_; }
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
-  /// What attempts are compared by: all that are within the tolerance are alike. Those in which a
-  /// collider gets farther into the paper are infinitely bad. Where handles are
-  /// not the reason, those are infinitely bad that have too many singular points, are too coarse,
-  /// or are not within the tolerance, also of depth inside a collider.
+  /// What attempts are compared by: how often they miss a gate (worst_miss); all that miss none are
+  /// alike. Where handles are not the reason, those are infinitely bad that miss one, have too many
+  /// singular points or are too coarse.
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;
@@ -100,11 +99,12 @@ class Candidate {
 /// How far a handle may be off before other attempts are tried: as far as the bake lets it be. [m]
 double tolerance_of_attempts();
 
-/// Whether its handles hold, and no collider is deeper in its paper than a handle may be off.
-bool is_within_tolerance(const Attempt&);
+/// How many times as far as a gate allows its handles are off, or its paper is inside a collider,
+/// whichever is more. [1] at most 1: it misses neither of both gates
+double worst_miss(const Attempt&);
 
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
-/// the singular points that were born in its sheet, and how deep it is inside a collider.
+/// the singular points that were born in its sheet, and how deep it gets into a collider.
 /// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in
 /// which the sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand
 /// stronger.

@@ -65,8 +65,7 @@ std::string describe(const AttemptChoice& choice) {
   if (choice.hopeless)
     return text + fmt::format(
                       "; it is baked, because in all {} attempts a handle is off by {:g} % "
-                      "of the sheet or more before the end, or a collider gets into the paper, "
-                      "and they were given up",
+                      "of the sheet or more before the end, and they were given up",
                       choice.tried.size(), AttemptChoice::hopeless_pct);
   if (choice.baked == 0)
     return text + fmt::format("; it is baked, because {} {} not better", others,

@@ -18,10 +18,10 @@ struct Attempt {
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
   // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.
-  double off = 0;       // [m] by which attempts are compared
+  double off = 0;       // [m]
   double off_pct = 0;   // [% of the longer side of its sheet]
   int frame = 0;        // in which it is
-  double inside = 0;    // [m] how deep a sheet is inside a collider at most
+  double inside = 0;    // [m] how deep a sheet gets into a collider at most
   int frames = 0;       // that were simulated
   bool coarse = false;  // whether it is doubted because of its coarse triangles
   int points = 0;       // singular points that were born in a sheet, at most
@@ -38,8 +38,7 @@ struct AttemptChoice {
 
   AttemptReason reason = AttemptReason::handle_off;
   std::size_t baked = 0;  // index into tried
-  // before the end of the shot, all were off by a tenth of the sheet or more, had a collider in the
-  // paper, or failed
+  // all were off by a tenth of the sheet or more before the end of the shot, or failed
   bool hopeless = false;
   std::vector<Attempt> tried;
 };

@@ -50,12 +50,14 @@ std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
   const std::vector<PrescribedCrease> drawn = drawn_creases(sheet.pattern, expected);
   for (std::size_t c = 0; c < drawn.size(); ++c) {
     std::string origin = sheet.crease_origin[c];
+    double moved = 0;  // not of a crease of which only an end lies on one that hands fold
     for (const ExpectedCrease& crease : expected)
-      if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0)
+      if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0) {
         origin += fmt::format("; turned by {:.4g} degrees by {}", degrees_of(largest_turn(crease)),
                               origin_of(crease, sheet.handles));
-    lines.push_back({drawn[c].line, drawn[c].angle, false, origin,
-                     distance(sheet.pattern.prescribed_creases[c].line, drawn[c].line)});
+        moved = distance(sheet.pattern.prescribed_creases[c].line, drawn[c].line);
+      }
+    lines.push_back({drawn[c].line, drawn[c].angle, false, origin, moved});
   }
   for (const ExpectedCrease& crease : expected)
     for (const Segment2& part : crease.missing)
@@ -72,7 +74,7 @@ std::vector<std::string> describe_moved(const std::string& sheet, double longer_
       sentences.push_back(fmt::format(
           "Crease {} of \"{}\" is moved by up to {:.1f} mm, onto the line about which the handles "
           "turn the paper: beside that line, paper would be missing. If it is to fold where it is "
-          "drawn, key the handles about that line.",
+          "drawn, key them about the drawn line.",
           k + 1, sheet, 1e3 * lines[k].moved));
   return sentences;
 }

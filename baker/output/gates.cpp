@@ -42,7 +42,8 @@ std::string advice(Gate gate, const BakePlan& plan) {
           movers(plan));
     case Gate::colliders:
       return "Paper that colliders squeeze farther than it can fold stays behind them: move them "
-             "less far or more slowly, give it more room, or try another --seed.";
+             "less far or more slowly, give it more room, or try another --seed. If it is so from "
+             "the first frame on, move them away from where the paper begins.";
     case Gate::reach:
       return "Bring these handles closer to each other, or accept that the paper follows them as "
              "far as it can.";
@@ -351,18 +352,14 @@ std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<Frame
       review.missed.back().sentence += " " + unsolved;
   if (advice_on_handles) review.missed.back().advice = *advice_on_handles;
   review_crossings(review);
-  bool began_inside = false;
   review.check(
       Gate::colliders, gates.inside_mm,
       [](const FrameRecord& f) { return 1e3 * f.statistics.inside; },
       [&](const FrameRecord& f, double value) {
-        began_inside = has_start_fault(plan, f.sheet);
         return fmt::format(
             "the sheet is {:.2f} mm inside the collider \"{}\", more than {:g} mm, {}", value,
             f.worst.inside_of, gates.inside_mm, place(f.worst.inside_at));
       });
-  if (began_inside)
-    review.missed.back().advice = "Move the collider away from where the paper begins.";
   if (!plan.impossible.empty())
     review.missed.push_back(
         {Gate::reach,

@@ -241,7 +241,8 @@ Json attempts_json(const BakePlan& plan) {
                      {"points", t.points},
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},
-                     {"frame_of_off", t.frame}});
+                     {"frame_of_off", t.frame},
+                     {"inside_mm", 1e3 * t.inside}});
   return {{"reason", name_of(plan.attempt->reason)},
           {"baked", plan.attempt->baked + 1},
           {"tried", tried}};

@@ -45,11 +45,11 @@ ColliderMotion motion_to(const Colliders& colliders, int row, ColliderShapes bef
   return motion;
 }
 
-double farthest_move(const Colliders& colliders, int row) {
+double farthest_move(const Colliders& colliders, int from, int to) {
   double most = 0;
   for (const Collider& c : colliders)
     most = std::max(
-        most, (positions_at(c, row) - positions_at(c, row - 1)).rowwise().squaredNorm().maxCoeff());
+        most, (positions_at(c, to) - positions_at(c, from)).rowwise().squaredNorm().maxCoeff());
   return std::sqrt(most);
 }
 

@@ -28,8 +28,12 @@ ColliderMotion motion_to(const Colliders&, int row, ColliderShapes before);
 double farthest_move(const Collider& from, const Collider& to);
 /// The same for all. [m]
 double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
+/// The same from one row to another. [m]
+double farthest_move(const Colliders&, int from, int to);
 /// The same from the row before to this one. [m]
-double farthest_move(const Colliders&, int row);
+inline double farthest_move(const Colliders& all, int row) {
+  return farthest_move(all, row - 1, row);
+}
 
 /// Where a point gets to that a moving collider carries along: it keeps its place beside the point
 /// of the surface that is nearest to it, and turns with the triangle there. For a collider that

@@ -23,7 +23,7 @@ Points3 PatternSamples::operator()(const Sheet& sheet) const {
 
 Points3 PatternSamples::normals(const Sheet& sheet) const {
   Points3 normals = interpolated(sheet, vertex_normals(sheet.x, sheet.triangles));
-  normals.rowwise().normalize();
+  for (int k = 0; k < normals.rows(); ++k) normals.row(k).normalize();
   return normals;
 }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace paperbake {
@@ -303,28 +304,48 @@ void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
   look_until(crease.line.b);
 }
 
-/// Whether creases are drawn along a line, two of them beside each other.
-bool is_between_two_drawn(const Segment2& line, const Pattern& pattern) {
-  const double side = longer_side(pattern);
+/// A segment of a crease that is drawn along a line.
+struct DrawnAlong {
+  double from, to;           // [m] along the line, where it begins and ends
+  double beside, beside_to;  // [m] from the line there, positive on its left
+  bool is_at(double along) const { return from <= along && along <= to; }
+  double beside_at(double along) const {
+    return beside + (along - from) / (to - from) * (beside_to - beside);
+  }
+};
+
+std::vector<DrawnAlong> drawn_along(const Segment2& line, const Pattern& pattern) {
   const Vector2d direction = (line.b - line.a).normalized();
-  struct Drawn {
-    double from, to;  // [m] along the line
-    double beside;    // [m] from it to the middle of the part, positive on its left
-  };
-  std::vector<Drawn> all;
+  std::vector<DrawnAlong> all;
   for (const PrescribedCrease& crease : pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
-      const Segment2 drawn{crease.line[k], crease.line[k + 1]};
-      if (const auto part = part_along(line, drawn, same_line * side))
-        all.push_back({direction.dot(part->a - line.a), direction.dot(part->b - line.a),
-                       cross(direction, 0.5 * (drawn.a + drawn.b) - line.a)});
+      Segment2 drawn{crease.line[k], crease.line[k + 1]};
+      if (!part_along(line, drawn, same_line * longer_side(pattern))) continue;
+      if (direction.dot(drawn.b - drawn.a) < 0) std::swap(drawn.a, drawn.b);
+      all.push_back({direction.dot(drawn.a - line.a), direction.dot(drawn.b - line.a),
+                     cross(direction, drawn.a - line.a), cross(direction, drawn.b - line.a)});
     }
-  return std::any_of(all.begin(), all.end(), [&](const Drawn& a) {
-    return std::any_of(all.begin(), all.end(), [&](const Drawn& b) {
-      return std::min(a.to, b.to) - std::max(a.from, b.from) > same_line * side &&
-             std::abs(a.beside - b.beside) > on_line * side;
-    });
-  });
+  return all;
+}
+
+/// Whether creases are drawn along a line, and along most of what they cover two of them beside
+/// each other.
+bool is_between_two_drawn(const Segment2& line, const Pattern& pattern) {
+  const std::vector<DrawnAlong> all = drawn_along(line, pattern);
+  constexpr int samples = 128;
+  int covered = 0, twice = 0;
+  for (int k = 0; k < samples; ++k) {
+    const double along = (k + 0.5) / samples * (line.b - line.a).norm();
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const DrawnAlong& drawn : all)
+      if (drawn.is_at(along)) {
+        low = std::min(low, drawn.beside_at(along));
+        high = std::max(high, drawn.beside_at(along));
+      }
+    covered += low <= high;
+    twice += high - low > on_line * longer_side(pattern);
+  }
+  return twice > 0.5 * covered;
 }
 
 /// Adds the frames in which other hands fold along a line that is known, and the first ones do not
@@ -386,7 +407,8 @@ std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_fra
   const auto add = [&](std::vector<ExpectedCrease> more) {
     const std::size_t before = expected.size();
     for (ExpectedCrease& crease : more)
-      if (known(crease.line) == expected.end()) expected.push_back(std::move(crease));
+      if (known(crease.line) == expected.end() && !is_between_two_drawn(crease.line, shot.pattern))
+        expected.push_back(std::move(crease));
     join_ends(expected, before, shot.pattern);
   };
   add(lead_through_layers(expected, shot.pattern));

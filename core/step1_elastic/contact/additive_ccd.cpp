@@ -31,7 +31,9 @@ double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vector3d, 
 
 }  // namespace
 
-bool is_certainly_free(double gap, double approach) { return gap - approach > gap_left(gap); }
+bool is_certainly_free(double gap, double approach) {
+  return gap > no_distance && gap - approach > gap_left(gap);
+}
 
 double relative_move(const std::array<Vector3d, 4>& moves, Features features) {
   double most = 0;

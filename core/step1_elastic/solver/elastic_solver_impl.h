@@ -172,7 +172,7 @@ struct Elastic::Impl {
   std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard,
                                bool with_contact);
 
-  /// One solution of the step; `sheet_contact` is null for a step without self-contact.
+  /// One solution of the step; `self_contact` is null for a step without self-contact.
   ElasticReport solve(Sheet&, const StepProblem&, SheetContact* self_contact,
                       const NewtonOptions& how, BranchSearchMode second,
                       StepStart = StepStart::guess);

@@ -5,15 +5,18 @@
 namespace paperbake {
 namespace {
 
-/// A page with two creases: one drawn so far [m] beside a line along which hands fold it, and one
-/// elsewhere.
+/// A page with three creases: one elsewhere, one that is drawn so far [m] beside a line along which
+/// hands fold it, and one that ends there.
 SceneSheet page_with_creases(double beside) {
   SceneSheet sheet;
   sheet.name = "page";
   sheet.pattern.outline = {{0, 0}, {0.21, 0}, {0.21, 0.3}, {0, 0.3}};
+  // the last one ends on the second one, which takes its end along
+  const Vector2d end(0.1, 0.1 + (1 - 1.5 * 0.1 / 0.21) * beside);
   sheet.pattern.prescribed_creases = {{{{0, 0.25}, {0.21, 0.25}}},
-                                      {{{0, 0.1 + beside}, {0.21, 0.1 - 0.5 * beside}}}};
-  sheet.crease_origin = {"edges", "edges"};
+                                      {{{0, 0.1 + beside}, {0.21, 0.1 - 0.5 * beside}}},
+                                      {{end, {0.1, 0.2}}}};
+  sheet.crease_origin = {"edges", "edges", "edges"};
   sheet.handles.resize(2);
   return sheet;
 }
@@ -30,8 +33,10 @@ std::vector<ExpectedCrease> fold_at_100_mm() {
 
 TEST(CreaseLines, TellHowFarADrawnCreaseWasMoved) {
   const std::vector<CreaseLine> lines = crease_lines(page_with_creases(0.002), fold_at_100_mm());
-  ASSERT_EQ(lines.size(), 2u);
+  ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(lines[0].moved, 0);
+  EXPECT_EQ(lines[2].moved, 0) << "only its end was, to stay on the other one";
+  EXPECT_NEAR(lines[2].line.front().y(), 0.1, 1e-9);
   EXPECT_NEAR(lines[1].moved, 0.002, 1e-9);
   const std::vector<std::string> sentences = describe_moved("page", 0.3, lines);
   ASSERT_EQ(sentences.size(), 1u);

@@ -395,6 +395,32 @@ TEST(ExpectedCreasesTest, TwoCreasesThatAreDrawnBesideEachOtherAreNotMovedOntoOn
   }
 }
 
+TEST(ExpectedCreasesTest, CreasesAreBesideEachOtherOnlyWhereTheyAreAlongMostOfWhatIsDrawn) {
+  const double spine = 0.004, middle = 0.1485, low = middle - 0.5 * spine, high = low + spine;
+  using Line = std::vector<Vector2d>;
+  const auto count = [&](const std::vector<Line>& drawn) {
+    Shot shot = cover_round_a_spine(spine);
+    shot.pattern.prescribed_creases.clear();
+    for (const Line& line : drawn) shot.pattern.prescribed_creases.push_back({line, 0, false});
+    return lines_of(shot).size();
+  };
+  // two parts that pass each other by 5 mm
+  EXPECT_EQ(count({{{0, low}, {0.105, low}}, {{0.1, high}, {0.210, high}}}), 1u);
+  // one that slants, whose last third is drawn twice
+  const Vector2d third(0.140, low + 2 * spine / 3);
+  EXPECT_EQ(count({{{0, low}, {0.210, high}}, {third, {0.210, high}}}), 1u);
+  // two that cross on the line are apart from each other along most of it
+  EXPECT_EQ(count({{{0, low}, {0.210, high}}, {{0.210, low}, {0, high}}}), 0u);
+  // two in many short pieces
+  Line one, other;
+  for (int k = 0; k <= 100; ++k) {
+    one.emplace_back(0.0021 * k, low + 1e-4 * (k % 2));
+    other.emplace_back(0.0021 * k, high - 1e-4 * (k % 2));
+  }
+  EXPECT_EQ(count({one, other}), 0u);
+  EXPECT_EQ(count({one}), 1u);
+}
+
 TEST(ExpectedCreasesTest, WhereTheArtistHasDrawnOnlyPartsOfALineTheOthersAreAdded) {
   Shot shot = held(a4, letter());
   const Vector2d inside(0.04, low_fold), end(0.09, low_fold), corner(0.12, low_fold),

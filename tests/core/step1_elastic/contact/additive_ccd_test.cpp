@@ -14,7 +14,7 @@ TEST(AdditiveCcdTest, WhatIsCertainlyFreeGoesAllTheWay) {
   // a vertex that comes straight down to a triangle, in gaps on both sides of what counts as tight
   const Corners still{Vector3d::Zero(), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
   int free = 0, held = 0;
-  for (const double gap : {2e-8, 9e-8, 1.1e-7, 5e-7, 2e-6, 1e-3, 1.0})
+  for (const double gap : {5e-13, 2e-8, 9e-8, 1.1e-7, 5e-7, 2e-6, 1e-3, 1.0})
     for (const double share : {0.01, 0.04, 0.06, 0.5, 0.79, 0.81, 1.5}) {
       Corners x = still, move{Vector3d(0, 0, -share * gap), Vector3d::Zero(), Vector3d::Zero(),
                               Vector3d::Zero()};
