@@ -111,7 +111,7 @@ class Attempts {
   // it, too, or as a flag
   bool begins_finer_ = false;
   Recorded recorded_ = Recorded::nothing;
-  bool handles_moved_ = false, colliders_moved_ = false;  // have_moved
+  bool handles_moved_ = false, colliders_moved_ = false;  // whether any has (have_moved)
 };
 
 /// Whether any handle is keyed farther from where it was in the first frame than the gate of
