@@ -83,17 +83,9 @@ std::optional<Sheet> with_crease(const FoldLine& line, const UnfoldedSheet& unfo
   std::optional<PatternMesh> mesh = method.mesh_with_creases(pattern, points, refinement);
   if (!mesh) return std::nullopt;
 
-  Sheet sheet;
-  const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->vertices);
-  sheet.x = onto(then.sheet.x);
-  sheet.v = onto(then.sheet.v);
-  sheet.pattern = std::move(mesh->vertices);
-  sheet.triangles = std::move(mesh->triangles);
-  sheet.singular = then.sheet.singular;
+  fixed = are_required(*mesh);
+  Sheet sheet = on_other_mesh(then.sheet, std::move(mesh->vertices), std::move(mesh->triangles));
   sheet.prescribed_creases = std::move(pattern.prescribed_creases);
-  sheet.crease_edges = then.sheet.crease_edges;
-  fixed.assign(sheet.pattern.rows(), 0);
-  for (const int v : mesh->point_vertex) fixed[v] = 1;
   return sheet;
 }
 

@@ -2,7 +2,7 @@
 
 #include "core/animation/imperfection.h"
 #include "core/animation/start_mesh.h"
-#include "core/geometry/point_location.h"
+#include "core/geometry/mesh_transfer.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/hands/closing_hands.h"
 
@@ -51,7 +51,6 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
   Sheet& sheet = started.sheet;
   sheet.pattern = std::move(mesh.vertices);
   sheet.triangles = std::move(mesh.triangles);
-  sheet.x.resize(sheet.pattern.rows(), 3);
   sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
   sheet.prescribed_creases = shot.pattern.prescribed_creases;
   for (std::size_t k = 0; k < shot.singular_point_rules.fixed.size(); ++k)
@@ -60,10 +59,7 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
              .row(mesh.point_vertex[points.size() - shot.singular_point_rules.fixed.size() + k])
              .transpose(),
          first_frame, "kept here"});
-  const PointLocator locator(shot.start.pattern, shot.start.triangles);
-  for (int v = 0; v < sheet.pattern.rows(); ++v)
-    sheet.x.row(v) =
-        interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
+  sheet.x = MeshTransfer(shot.start.pattern, shot.start.triangles, sheet.pattern)(shot.start.x);
   add_geometric_imperfection(sheet, longer_side(shot.pattern), seed);
 
   started.fixed.assign(sheet.pattern.rows(), 0);

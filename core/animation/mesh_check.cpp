@@ -17,11 +17,8 @@ std::optional<double> distance_from_finer_mesh(const SimulatedSheet& simulated,
       method.mesh_with_creases(simulated.shot.pattern, required_points(simulated.shot), refinement);
   if (!mesh || mesh->triangles.rows() > most) return std::nullopt;
   const Sheet& sheet = simulated.sheet;
-  Sheet finer;
-  finer.x = MeshTransfer(sheet.pattern, sheet.triangles, mesh->vertices)(sheet.x);
-  finer.v = Points3::Zero(finer.x.rows(), 3);
-  finer.pattern = std::move(mesh->vertices);
-  finer.triangles = std::move(mesh->triangles);
+  Sheet finer = on_other_mesh(sheet, std::move(mesh->vertices), std::move(mesh->triangles));
+  finer.v.setZero();
   Elastic elastic = simulated.elastic.on_mesh(finer, disc_factors(finer, simulated.shot));
   try {
     const ElasticReport report = elastic.relax(finer, at, dt, Relaxation::full);

@@ -55,14 +55,9 @@ void SimulatedSheet::carry_over(const Sheet& before) {
 }
 
 void SimulatedSheet::put_on(PatternMesh&& mesh) {
-  const Sheet before = sheet;
-  const MeshTransfer onto(before.pattern, before.triangles, mesh.vertices);
-  sheet.x = onto(before.x);
-  sheet.v = onto(before.v);
-  sheet.pattern = std::move(mesh.vertices);
-  sheet.triangles = std::move(mesh.triangles);
-  fixed.assign(sheet.pattern.rows(), 0);
-  for (const int v : mesh.point_vertex) fixed[v] = 1;
+  fixed = are_required(mesh);
+  const Sheet before = std::move(sheet);
+  sheet = on_other_mesh(before, std::move(mesh.vertices), std::move(mesh.triangles));
   carry_over(before);
 }
 

@@ -17,4 +17,9 @@ class MeshTransfer {
   std::vector<MeshPoint> places_;
 };
 
+/// A sheet on another mesh of its pattern: positions and velocities are interpolated; singular
+/// points and prescribed creases belong to the paper and stay as they are. Points and creases that
+/// are to be vertices and edges must be so in the mesh that is given.
+Sheet on_other_mesh(const Sheet&, Points2 pattern, Triangles);
+
 }  // namespace paperbake

@@ -268,6 +268,12 @@ std::optional<Triangles> triangulate(const Cloud& cloud) {
 
 }  // namespace
 
+std::vector<char> are_required(const PatternMesh& mesh) {
+  std::vector<char> required(mesh.vertices.rows(), 0);
+  for (const int v : mesh.point_vertex) required[v] = 1;
+  return required;
+}
+
 double equilateral_edge(const Pattern& pattern, int triangles) {
   return std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
 }

@@ -14,6 +14,9 @@ struct PatternMesh {
   std::vector<int> point_vertex;  // vertex of each required point; equal points share one
 };
 
+/// Whether a vertex is that of a required point. |V|
+std::vector<char> are_required(const PatternMesh&);
+
 /// Edge of the equilateral triangles of which so many have the area of the pattern. [m]
 double equilateral_edge(const Pattern&, int triangles);
 

@@ -104,13 +104,8 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
     when_.on_proposal_result(false, now);
     return std::nullopt;
   }
-  Sheet proposal;
-  const MeshTransfer onto(sheet.pattern, sheet.triangles, mesh->pattern);
-  proposal.x = onto(sheet.x);
-  proposal.v = onto(sheet.v);
-  proposal.pattern = std::move(mesh->pattern);
-  proposal.triangles = std::move(mesh->triangles);
-  proposal.singular = sheet.singular;
+  Sheet proposal = on_other_mesh(sheet, std::move(mesh->pattern), std::move(mesh->triangles));
+  const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern);
   flip_towards_rulings(proposal, onto(curvature), options_.flip_gain);
   return proposal;
 }
