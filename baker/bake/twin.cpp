@@ -1,5 +1,6 @@
 #include "baker/bake/twin.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/random.h"
 #include "core/model/pattern.h"
 

@@ -1,4 +1,5 @@
 #include "baker/check/inspect.h"
+#include "core/geometry/measure.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/files/json.h"
 
@@ -34,8 +35,7 @@ CacheSpread spread_of(const AlembicReader& cache, std::size_t sheet) {
     if (frame.x.rows() == 0) continue;
     s.low = s.low.cwiseMin(frame.x.colwise().minCoeff().transpose());
     s.high = s.high.cwiseMax(frame.x.colwise().maxCoeff().transpose());
-    if (frame.velocity.rows() > 0)
-      s.fastest = std::max(s.fastest, frame.velocity.rowwise().norm().maxCoeff());
+    s.fastest = std::max(s.fastest, max_row_norm(frame.velocity));
   }
   return s;
 }

@@ -3,6 +3,7 @@
 #include "baker/job/method_choice.h"
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/sheet_distance.h"
 #include "core/hands/obstructed_paths.h"
 #include "core/model/error.h"
@@ -167,7 +168,7 @@ void warn_of_doubtful_values(BakePlan& plan) {
     plan.warnings.push_back(
         fmt::format("There are {:g} frames a second: is that meant? Films have 24.", fps));
   for (const Wind& wind : plan.animation.elastic.air.winds)
-    if (const double speed = wind.velocity.rowwise().norm().maxCoeff(); speed > most_wind)
+    if (const double speed = max_row_norm(wind.velocity); speed > most_wind)
       plan.warnings.push_back(
           fmt::format("The wind \"{}\" blows at {:.0f} m/s: is that meant? A hurricane has 33.",
                       wind.name, speed));

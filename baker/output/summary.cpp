@@ -5,6 +5,7 @@
 #include "baker/output/frames_that.h"
 #include "baker/output/leaps.h"
 #include "baker/output/twin_verdict.h"
+#include "core/geometry/measure.h"
 #include "core/model/degrees.h"
 #include "formats/files/frame_statistics_table.h"
 #include "formats/files/json.h"
@@ -121,8 +122,7 @@ std::string describe_polish(const BakePlan& plan) {
 std::string describe_air(const Air& air) {
   std::string text = fmt::format("{} kg/m3, felt by sheets with inertia", air.density);
   for (const Wind& wind : air.winds)
-    text += fmt::format(", wind \"{}\" of {:.3g} m/s", wind.name,
-                        wind.velocity.rowwise().norm().maxCoeff());
+    text += fmt::format(", wind \"{}\" of {:.3g} m/s", wind.name, max_row_norm(wind.velocity));
   return text;
 }
 

@@ -100,8 +100,7 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
       const ElasticReport there = relax_fully(other, elastic, input, dt);
       if (!there.converged || crossings(other) > 0) continue;
       if (std::abs(there.potential - here.potential) <= step)
-        found.equal |=
-            std::sqrt((other.x - now).rowwise().squaredNorm().mean()) > another_shape * side;
+        found.equal |= rms_distance(other.x, now) > another_shape * side;
       if (there.potential < least) {
         least = there.potential;
         found.taken = true;

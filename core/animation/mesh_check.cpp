@@ -1,8 +1,8 @@
 #include "core/animation/mesh_check.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 
-#include <cmath>
 #include <utility>
 
 namespace paperbake {
@@ -27,7 +27,7 @@ std::optional<double> distance_from_finer_mesh(const SimulatedSheet& simulated,
     return std::nullopt;
   }
   const Points3 there = MeshTransfer(finer.pattern, finer.triangles, sheet.pattern)(finer.x);
-  return std::sqrt((there - sheet.x).rowwise().squaredNorm().mean()) / simulated.side;
+  return rms_distance(there, sheet.x) / simulated.side;
 }
 
 void MeshCheck::look(const SimulatedSheet& simulated, const Method& method, const StepInput& at,

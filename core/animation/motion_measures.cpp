@@ -4,7 +4,6 @@
 #include "core/geometry/rigid_motion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace paperbake {
@@ -82,7 +81,7 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
 double rms_deformation(const Points3& before, const Points3& now) {
   if (before.rows() != now.rows() || now.rows() == 0) return 0;
   const Points3 carried = moved(nearest_rigid_motion(before, now), before);
-  return std::sqrt((now - carried).rowwise().squaredNorm().mean());
+  return rms_distance(now, carried);
 }
 
 double squeeze(const Points3& x, const ColliderMotion& moving) {

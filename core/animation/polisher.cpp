@@ -1,12 +1,12 @@
 #include "core/animation/polisher.h"
 
 #include "core/animation/initial_sheet.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/geometry/point_location.h"
 #include "core/render/curved_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace paperbake {
@@ -103,7 +103,7 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<HeldHandle>&
   result.membrane_energy = report.membrane;
   result.iterations = report.iterations;
   elastic_.set_plastic_grid(nullptr);
-  result.moved = std::sqrt((sheet.x - given).rowwise().squaredNorm().mean());
+  result.moved = rms_distance(sheet.x, given);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include "core/geometry/collider_motion.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/proximity.h"
 #include "core/model/serializer.h"
 
@@ -80,8 +81,7 @@ void archive_shapes(Serializer& a, ColliderShapes& shapes, const Colliders& coll
 }
 
 double farthest_move(const Collider& from, const Collider& to) {
-  return &from == &to ? 0
-                      : std::sqrt((to.mesh().x - from.mesh().x).rowwise().squaredNorm().maxCoeff());
+  return &from == &to ? 0 : max_row_norm(to.mesh().x - from.mesh().x);
 }
 
 double farthest_move(const ColliderShapes& from, const ColliderShapes& to) {

@@ -114,4 +114,8 @@ Points3 vertex_normals(const Points3& x, const Triangles& triangles) {
   return normals;
 }
 
+double rms_distance(const Points3& a, const Points3& b) {
+  return std::sqrt((a - b).rowwise().squaredNorm().mean());
+}
+
 }  // namespace paperbake

@@ -47,6 +47,10 @@ double angle_defect_max(const Sheet&);
 /// Unit normals of the vertices: the triangle normals, weighted by the angles at the vertex. |V|x3
 Points3 vertex_normals(const Points3& x, const Triangles&);
 
+/// Root mean square of the distances between corresponding points, of which there is one at least.
+/// [m]
+double rms_distance(const Points3& a, const Points3& b);
+
 /// Length of the longest row; 0 for no rows.
 inline double max_row_norm(const Points3& d) {
   return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0;

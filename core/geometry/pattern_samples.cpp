@@ -3,8 +3,6 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/point_location.h"
 
-#include <cmath>
-
 namespace paperbake {
 
 PatternSamples::PatternSamples(const Pattern& pattern, int along) {
@@ -33,10 +31,6 @@ Points3 PatternSamples::interpolated(const Sheet& sheet, const Points3& per_vert
   for (std::size_t k = 0; k < points_.size(); ++k)
     values.row(k) = interpolate(locator.locate(points_[k]), sheet.triangles, per_vertex);
   return values;
-}
-
-double rms_distance(const Points3& a, const Points3& b) {
-  return std::sqrt((a - b).rowwise().squaredNorm().mean());
 }
 
 }  // namespace paperbake

@@ -25,7 +25,4 @@ class PatternSamples {
   std::vector<Vector2d> points_;  // [m]
 };
 
-/// Root mean square of the distances between corresponding points. [m]
-double rms_distance(const Points3& a, const Points3& b);
-
 }  // namespace paperbake

@@ -1,7 +1,8 @@
 #include "core/hands/handle_feasibility.h"
 
+#include "core/geometry/measure.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace paperbake {
 
@@ -79,7 +80,7 @@ double HandleFeasibility::project(const std::vector<int>& handles, Points3& targ
     if (change == 0) break;
     if (change <= settled) sweep = std::max(sweep, towards - 1);
   }
-  return n == 0 ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
+  return max_row_norm(targets - asked);
 }
 
 Overshoot overshoot(const Pattern& pattern, const std::vector<Handle>& handles,

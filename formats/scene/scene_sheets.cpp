@@ -1,5 +1,6 @@
 #include "formats/scene/scene_sheets.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/error.h"
 #include "core/model/paper.h"
 #include "formats/config/preset_file.h"
@@ -38,7 +39,7 @@ void warn_of_distance(const std::string& name, const Points3& x,
                   "numbers of 32 bits, which are {:.2g} mm apart there: creases and close layers "
                   "become rough. Bake the shot within 16 m of the origin, and move the cache back "
                   "in the scene.",
-                  name, x.rowwise().norm().maxCoeff(), 1e3 * step));
+                  name, max_row_norm(x), 1e3 * step));
 }
 
 /// The lines NAME=name of a property, or NAME alone where that is the name to have.

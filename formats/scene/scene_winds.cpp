@@ -1,5 +1,6 @@
 #include "formats/scene/scene_winds.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_properties.h"
 
@@ -66,7 +67,7 @@ std::vector<Wind> read_winds(const SceneNodes& scene) {
   for (std::size_t w = 0; w < found.size(); ++w) {
     const double speed =
         nonnegative_property(scene.source, nodes[found[w]], "paper_speed").value_or(1);
-    const double largest = winds[w].velocity.rowwise().norm().maxCoeff();
+    const double largest = max_row_norm(winds[w].velocity);
     if (largest > 0) winds[w].velocity *= speed / largest;
   }
   return winds;

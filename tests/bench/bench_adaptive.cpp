@@ -8,6 +8,7 @@
 //   BENCH_SET="edge_turn=0.15 aspect=3"   options of the sizing field
 //   BENCH_FRAMES=1                         rms of every frame
 
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/adaptive.h"
 #include "core/methods/hybrid.h"

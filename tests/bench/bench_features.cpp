@@ -8,6 +8,7 @@
 // (RMS over 41 x 41 points, mean over the frames, in % of the longer side).
 
 #include "core/animation/inertia_need.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"

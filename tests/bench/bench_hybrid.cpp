@@ -16,6 +16,7 @@
 //   BENCH_SET="turn_per_ruling=0.2 flip_gain=0.5"   options; turn_per_ruling=0: no ruled meshes
 //   BENCH_FRAMES=1                             rms of every frame
 
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/hybrid.h"
 #include "tests/bench/against_fem.h"

@@ -8,6 +8,7 @@
 // it is, and the two runs that are farthest apart. Elastic paper. BENCH_FRAMES=1 in the environment
 // prints every frame.
 
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/adaptive.h"
 #include "core/methods/fem.h"

@@ -13,6 +13,7 @@
 
 #include "core/animation/cpu_clock.h"
 #include "core/animation/polisher.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/hybrid.h"
 #include "core/render/curved_surface.h"

@@ -29,7 +29,6 @@
 #include "formats/scene/scene_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -83,7 +82,7 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
       held.push_back({v, sheet.x.row(v)});
   const ElasticReport after = elastic.relax(polished, {held}, 1.0 / 24, Relaxation::full);
   return {(before.energy - before.membrane) / (after.energy - after.membrane),
-          std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
+          rms_distance(polished.x, sheet.x)};
 }
 
 /// What the paper remembers in the frames that can be polished: those before the third singular

@@ -1,5 +1,6 @@
 #include "tests/bench/invariance.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 
 #include <algorithm>

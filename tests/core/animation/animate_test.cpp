@@ -123,9 +123,7 @@ TEST(AnimateTest, HandlesThatJumpEndNearTheSlowRun) {
     for (int f = 1; f < 23; ++f) handle.keyed.row(f) = handle.keyed.row(23);
   fast.handles.back().grab_frame = slow.handles.back().grab_frame = 1000;
   const Played a = play(slow, 400, 26), b = play(fast, 400, 26);
-  const double rms =
-      std::sqrt((a.sheets.back().x - b.sheets.back().x).rowwise().squaredNorm().mean());
-  EXPECT_LT(rms, 0.002 * 0.1);
+  EXPECT_LT(rms_distance(a.sheets.back().x, b.sheets.back().x), 0.002 * 0.1);
 }
 
 TEST(AnimateTest, TheFirstFrameIsTheSheetAsItWasModelled) {

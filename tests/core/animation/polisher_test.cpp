@@ -1,6 +1,7 @@
 #include "core/animation/polisher.h"
 #include "core/animation/initial_sheet.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"

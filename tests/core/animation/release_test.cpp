@@ -2,6 +2,7 @@
 
 #include "core/animation/swing.h"
 #include "core/geometry/collider.h"
+#include "core/geometry/measure.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
 #include "tests/core/animation/together_shots.h"

@@ -1,5 +1,6 @@
 #include "core/geometry/pattern_samples.h"
 
+#include "core/geometry/measure.h"
 #include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
