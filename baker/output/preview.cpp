@@ -81,7 +81,7 @@ void draw_colliders(Canvas& canvas, const Camera& camera, const Viewport& pictur
       const Vector3d a = collider.x.row(collider.triangles(t, 0)),
                      b = collider.x.row(collider.triangles(t, 1)),
                      c = collider.x.row(collider.triangles(t, 2));
-      const Vector3d normal = (b - a).cross(c - a).normalized();
+      const Vector3d normal = triangle_normal(a, b, c);
       faces.push_back(lit(normal.dot(camera.towards) >= 0 ? normal : Vector3d(-normal), solid));
     }
     draw_triangles(own, moved, collider.x, collider.triangles, faces);

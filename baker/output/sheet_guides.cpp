@@ -24,7 +24,7 @@ Points3 face_normals(const CacheFrame& mesh) {
   for (Eigen::Index t = 0; t < normals.rows(); ++t) {
     const Vector3d a = mesh.x.row(mesh.triangles(t, 0)), b = mesh.x.row(mesh.triangles(t, 1)),
                    c = mesh.x.row(mesh.triangles(t, 2));
-    normals.row(t) = (b - a).cross(c - a).normalized().transpose();
+    normals.row(t) = triangle_normal(a, b, c).transpose();
   }
   return normals;
 }
@@ -101,7 +101,7 @@ double SheetGuides::fold_angle(const Line& line, std::size_t point, const CacheF
   const Vector3d m = normals.row(a.triangle), n = normals.row(b.triangle),
                  way = interpolate(b, mesh.triangles, mesh.x) -
                        interpolate(a, mesh.triangles, mesh.x);
-  const double turn = std::atan2(m.cross(n).norm(), m.dot(n));
+  const double turn = angle_between(m, n);
   return (n - m).dot(way) < 0 ? -turn : turn;
 }
 

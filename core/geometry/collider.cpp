@@ -2,6 +2,7 @@
 
 #include "core/geometry/box_of.h"
 #include "core/geometry/connected_parts.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_edges.h"
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
@@ -147,7 +148,7 @@ void Collider::find_normals() {
   for (int t = 0; t < n; ++t) {
     const std::array<Vector3d, 3> c{row(x, triangles(t, 0)), row(x, triangles(t, 1)),
                                     row(x, triangles(t, 2))};
-    const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    const Vector3d normal = triangle_normal(c[0], c[1], c[2]);
     face_normal_.row(t) = normal;
     for (int i = 0; i < 3; ++i) {
       const Vector3d u = (c[(i + 1) % 3] - c[i]).normalized(),

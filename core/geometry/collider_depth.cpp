@@ -2,6 +2,7 @@
 
 #include "core/geometry/box_tree.h"
 #include "core/geometry/connected_parts.h"
+#include "core/geometry/measure.h"
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
@@ -86,9 +87,8 @@ class ColliderDepth::Part {
         box_.extend(row(x, v));
         around_[v].push_back(static_cast<int>(faces_.size()) - 1);
       }
-      const Vector3d a = row(x, f[0]), b = row(x, f[1]), c = row(x, f[2]);
-      normals_.push_back((b - a).cross(c - a).normalized());
-      origins_.push_back(a);
+      normals_.push_back(triangle_normal(row(x, f[0]), row(x, f[1]), row(x, f[2])));
+      origins_.push_back(row(x, f[0]));
     }
     find_borders();
     if (closed_) face_outwards();

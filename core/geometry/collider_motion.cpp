@@ -97,7 +97,7 @@ namespace {
 Eigen::Matrix3d frame_of(const std::array<Vector3d, 3>& corners) {
   Eigen::Matrix3d frame;
   frame.col(0) = (corners[1] - corners[0]).normalized();
-  frame.col(1) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  frame.col(1) = triangle_normal(corners[0], corners[1], corners[2]);
   frame.col(2) = frame.col(0).cross(frame.col(1));
   return frame;
 }

@@ -1,5 +1,6 @@
 #include "core/geometry/edge_operations.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
 #include "core/linear_algebra/symmetric_eigen.h"
@@ -239,8 +240,7 @@ class Collapses {
   }
 
   Vector3d normal(int a, int b, int c) const {
-    const Vector3d p = sheet_.x.row(a), q = sheet_.x.row(b), r = sheet_.x.row(c);
-    return (q - p).cross(r - p).normalized();
+    return triangle_normal(sheet_.x.row(a), sheet_.x.row(b), sheet_.x.row(c));
   }
 
   void collapse(int from, int to) {

@@ -9,13 +9,6 @@
 #include <unordered_set>
 
 namespace paperbake {
-namespace {
-
-double angle_between(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-}  // namespace
 
 /// [1] |l - L|/L of an edge
 static double length_error(const Sheet& sheet, int a, int b) {

@@ -40,6 +40,22 @@ inline double pattern_area(const Sheet& sheet, int t) {
   return signed_area(corner(0), corner(1), corner(2));
 }
 
+/// Unit normal of the triangle a, b, c, which is counter-clockwise seen from where it points to; 0
+/// if the triangle has no area. (vertex_normals() asks for more precision where one is tiny.)
+inline Vector3d triangle_normal(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  return (b - a).cross(c - a).normalized();
+}
+
+/// Angle between two vectors, from 0 to pi. [rad]
+inline double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Angle from a to b about a unit vector that is normal to both, in (-pi, pi]. [rad]
+inline double angle_about(const Vector3d& axis, const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).dot(axis), a.dot(b));
+}
+
 /// Largest |2 pi - sum of angles| over the inner vertices that are not singular points: 0 for a
 /// developable surface. [rad]
 double angle_defect_max(const Sheet&);

@@ -1,5 +1,6 @@
 #include "core/hands/fold_axis.h"
 
+#include "core/geometry/measure.h"
 #include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/degrees.h"
 #include "core/model/segment2.h"
@@ -172,7 +173,7 @@ class FoldAxisSearch {
           line.point + line.direction.dot(line.between - line.point) * line.direction;
       const Vector3d along = left->turn.leftCols<2>() * line.direction, nl = left->turn.col(2),
                      nr = right->turn.col(2);
-      const double turn = std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
+      const double turn = angle_about(along, nl, nr);
       return Turn{
           turn,
           ((left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift).norm()};

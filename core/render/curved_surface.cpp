@@ -2,6 +2,7 @@
 
 #include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
 
@@ -41,7 +42,7 @@ Points3 corner_normals(const Sheet& sheet, const Hinges& hinges, const std::vect
     const Vector3d n = (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized();
     for (int i = 0; i < 3; ++i) {
       const Vector3d u = at(i + 1) - at(i), v = at(i + 2) - at(i);
-      weighted.row(3 * t + i) = std::atan2(u.cross(v).norm(), u.dot(v)) * n;
+      weighted.row(3 * t + i) = angle_between(u, v) * n;
     }
   }
   Points3 normals(3 * triangles, 3);

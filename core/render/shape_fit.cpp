@@ -1,5 +1,6 @@
 #include "core/render/shape_fit.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
 #include "core/render/curved_surface.h"
@@ -162,7 +163,7 @@ Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
   Points3 normal(faces_.size(), 3);
   for (std::size_t t = 0; t < faces_.size(); ++t) {
     const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);
-    normal.row(t) = (b - a).cross(c - a).normalized();
+    normal.row(t) = triangle_normal(a, b, c);
   }
   Points3 result(bends_.size(), 3);
   for (std::size_t h = 0; h < bends_.size(); ++h) {

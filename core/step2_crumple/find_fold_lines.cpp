@@ -1,5 +1,6 @@
 #include "core/step2_crumple/find_fold_lines.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/degrees.h"
 #include "core/model/segment2.h"
 #include "core/step2_crumple/bent_mesh.h"
@@ -120,7 +121,7 @@ std::vector<double> needed_curvature(const BentMesh& mesh, const FoldLine& line,
     for (const int t : hinge.triangles) {
       const Eigen::RowVector3i v = mesh.sheet.triangles.row(t);
       const Vector3d a = x.row(v[0]), b = x.row(v[1]), c = x.row(v[2]);
-      part.bisector += turn * (b - a).cross(c - a).normalized();
+      part.bisector += turn * triangle_normal(a, b, c);
     }
     if (mesh.gap[h]->width > part.widest.width) part.widest = *mesh.gap[h];
   });

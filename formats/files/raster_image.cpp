@@ -1,5 +1,6 @@
 #include "formats/files/raster_image.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/bitmap_font.h"
@@ -345,7 +346,7 @@ std::vector<Colour> flat_shading(const Points3& x, const Triangles& triangles, c
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector3d a = x.row(triangles(t, 0)), b = x.row(triangles(t, 1)),
                    c = x.row(triangles(t, 2));
-    Vector3d normal = (b - a).cross(c - a).normalized();
+    Vector3d normal = triangle_normal(a, b, c);
     const bool seen_from_front = normal.dot(camera.towards) >= 0;
     if (!seen_from_front) normal = -normal;
     // half Lambert: faces turned away from the light are not black

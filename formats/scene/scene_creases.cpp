@@ -1,6 +1,7 @@
 #include "formats/scene/scene_creases.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/degrees.h"
@@ -197,7 +198,7 @@ double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, dou
   const auto normal_at = [&](const Vector2d& p) {
     const Eigen::RowVector3i t = start.triangles.row(locator.locate(p).triangle);
     const Vector3d a = start.x.row(t[0]), b = start.x.row(t[1]), c = start.x.row(t[2]);
-    return Vector3d((b - a).cross(c - a).normalized());
+    return triangle_normal(a, b, c);
   };
   double sum = 0, length = 0;
   for (std::size_t k = 0; k + 1 < line.size(); ++k) {
@@ -208,7 +209,7 @@ double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, dou
       return interpolate(locator.locate(p), start.triangles, start.x);
     };
     const Vector3d axis = (on_start(line[k + 1]) - on_start(line[k])).normalized();
-    sum += along.norm() * std::atan2(left.cross(right).dot(axis), left.dot(right));
+    sum += along.norm() * angle_about(axis, left, right);
     length += along.norm();
   }
   const double most = radians_of(max_angle);

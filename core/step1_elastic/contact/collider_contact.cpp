@@ -1,5 +1,6 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/mesh_edges.h"
 #include "core/geometry/proximity.h"
 #include "core/step1_elastic/contact/friction.h"
@@ -170,7 +171,7 @@ class ColliderContact::NearTest {
   NearTest(const Collider& collider, const SheetFeature& feature, const Points3& y)
       : collider_(collider), corners_(feature.corners) {
     for (int i = 0; i < corners_; ++i) y_[i] = row(y, feature.vertices[i]);
-    if (corners_ == 3) normal_ = (y_[1] - y_[0]).cross(y_[2] - y_[0]).normalized();
+    if (corners_ == 3) normal_ = triangle_normal(y_[0], y_[1], y_[2]);
   }
 
   /// True if the feature, of which no corner touches the collider from behind, is farther than

@@ -43,7 +43,7 @@ std::vector<char> flat_stars(const Points3& x, const Triangles& triangles) {
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector3d a = x.row(triangles(t, 0)), b = x.row(triangles(t, 1)),
                    c = x.row(triangles(t, 2));
-    normal.row(t) = (b - a).cross(c - a).normalized();
+    normal.row(t) = triangle_normal(a, b, c);
     for (int i = 0; i < 3; ++i) mean.row(triangles(t, i)) += normal.row(t);
   }
   std::vector<char> flat(x.rows(), 1);
@@ -73,8 +73,8 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
   };
   const Vector3d a0 = at(to, a[0]), a1 = at(to, a[1]), a2 = at(to, a[2]), b0 = at(to, b[0]),
                  b1 = at(to, b[1]), b2 = at(to, b[2]);
-  return by((b0 + b1 + b2 - a0 - a1 - a2).normalized()) ||
-         by((a1 - a0).cross(a2 - a0).normalized()) || by((b1 - b0).cross(b2 - b0).normalized());
+  return by((b0 + b1 + b2 - a0 - a1 - a2).normalized()) || by(triangle_normal(a0, a1, a2)) ||
+         by(triangle_normal(b0, b1, b2));
 }
 
 }  // namespace

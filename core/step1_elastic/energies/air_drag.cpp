@@ -1,5 +1,6 @@
 #include "core/step1_elastic/energies/air_drag.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -34,8 +35,7 @@ std::vector<Plate> plates_of(const Air& air, const Sheet& sheet, double time) {
     const Vector2d e = sheet.pattern.row(v[1]) - sheet.pattern.row(v[0]),
                    f = sheet.pattern.row(v[2]) - sheet.pattern.row(v[0]);
     const Vector3d a = sheet.x.row(v[0]), b = sheet.x.row(v[1]), c = sheet.x.row(v[2]);
-    Plate plate{
-        v, 0.5 * std::abs(cross(e, f)), (a + b + c) / 3, (b - a).cross(c - a).normalized(), {}, {}};
+    Plate plate{v, 0.5 * std::abs(cross(e, f)), (a + b + c) / 3, triangle_normal(a, b, c), {}, {}};
     plate.wind = air_velocity(air, time, plate.centre);
     plate.slip = -plate.wind;
     if (sheet.v.rows() == sheet.x.rows())
