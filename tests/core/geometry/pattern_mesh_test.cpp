@@ -1,7 +1,9 @@
 #include "core/geometry/pattern_mesh.h"
-#include "core/model/segment2.h"
 
+#include "core/geometry/hinges.h"
+#include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -330,6 +332,31 @@ TEST(PatternMeshTest, HoleThatCrossesTheOutlineIsRejected) {
   Pattern pattern = rectangle(0.1, 0.1);
   pattern.holes = {circle({0.09, 0.05}, 0.03, 24, /*counter_clockwise=*/false)};
   EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, 0.01, {}); }), ErrorCode::scene);
+}
+
+TEST(PatternMeshTest, CreasesThatCrossAreRowsOfEdgesInEveryMesh) {
+  Pattern pattern{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}}, {}, {}};
+  pattern.prescribed_creases = {{{{0, 0}, {0.2, 0.1}}, 0},
+                                {{{0, 0.1}, {0.07, 0.04}, {0.2, 0.02}}, 0},
+                                {{{0.1, 0}, {0.1, 0.1}}, 0}};
+  double length = 0;
+  for (const PrescribedCrease& fold : pattern.prescribed_creases)
+    for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
+      length += (fold.line[k + 1] - fold.line[k]).norm();
+  for (const double edge : {0.04, 0.013, 0.004}) {
+    const PatternMesh mesh = mesh_pattern(pattern, edge, {{0.05, 0.05}});
+    Sheet sheet{mesh.vertices, {}, {}, mesh.triangles, {}, pattern.prescribed_creases};
+    const Hinges hinges = find_hinges(mesh.triangles);
+    const auto lines = crease_of_hinges(sheet, hinges);
+    double found = 0;
+    for (std::size_t h = 0; h < lines.size(); ++h)
+      if (lines[h])
+        found += (mesh.vertices.row(hinges.hinges[h].vertices[0]) -
+                  mesh.vertices.row(hinges.hinges[h].vertices[1]))
+                     .norm();
+    EXPECT_NEAR(found, length, 1e-9) << edge;
+    EXPECT_EQ(mesh.vertices.row(mesh.point_vertex[0]), Eigen::RowVector2d(0.05, 0.05));
+  }
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #include "core/step1_elastic/energies/elastic_energy.h"
 
+#include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
 #include "tests/core/test_meshes.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -588,6 +591,34 @@ TEST(ConfigurationalForceTest, VanishesWhereTheSheetIsTheSameAllRound) {
     if (!border[v]) {
       EXPECT_LT(local.configurational_force.row(v).norm(), 1e-9 * force_on_border);
     }
+}
+
+TEST(ElasticEnergyTest, TheForceOfACreaseIsTheGradientOfItsEnergy) {
+  Pattern pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}, {}};
+  pattern.prescribed_creases = {{{{0.03, 0}, {0.05, 0.1}}, 0.4}};
+  const PatternMesh mesh = mesh_pattern(pattern, 0.03, {});
+  Paper paper;
+  paper.membrane_stiffness = 1e-3;  // what is left is bending
+  const ElasticEnergy energy(paper, mesh.vertices, mesh.triangles, {}, pattern.prescribed_creases),
+      plain(paper, mesh.vertices, mesh.triangles);
+  Points3 x(mesh.vertices.rows(), 3), gradient;
+  for (int v = 0; v < x.rows(); ++v)
+    x.row(v) << mesh.vertices.row(v),
+        0.01 * std::sin(40 * mesh.vertices(v, 0)) + 0.1 * mesh.vertices(v, 0) * mesh.vertices(v, 1);
+  EXPECT_GT(std::abs(energy.energy(x) / plain.energy(x) - 1), 0.01);
+  energy.gradient(x, gradient);
+  constexpr double step = 1e-7;
+  double worst = 0;
+  for (int v = 0; v < x.rows(); ++v)
+    for (int c = 0; c < 3; ++c) {
+      Points3 up = x, down = x;
+      up(v, c) += step;
+      down(v, c) -= step;
+      worst = std::max(
+          worst, std::abs((energy.energy(up) - energy.energy(down)) / (2 * step) - gradient(v, c)));
+    }
+  ASSERT_GT(gradient.norm(), 1e-3);
+  EXPECT_LT(worst, 1e-5 * gradient.norm());
 }
 
 }  // namespace
