@@ -26,7 +26,7 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
     bytes += "keep";
     bytes += bytes_of_values(p);
   }
-  for (const SingularPointRules::Disc& disc : shot.singular_point_rules.forbidden) {
+  for (const Disc& disc : shot.singular_point_rules.forbidden) {
     bytes += fmt::format("forbid/{}/", disc.radius);
     bytes += bytes_of_values(disc.centre);
   }

@@ -66,7 +66,7 @@ std::string rules_text(const SingularPointRules& rules,
   if (!rules.forbidden.empty())
     text += "singular_forbid = " +
             toml_list(rules.forbidden,
-                      [](const SingularPointRules::Disc& d) {
+                      [](const Disc& d) {
                         return fmt::format("[{}, {}, {}]", toml_number(d.centre.x()),
                                            toml_number(d.centre.y()), toml_number(d.radius));
                       }) +

@@ -2,6 +2,7 @@
 
 #include "core/model/sheet.h"
 
+#include <cmath>
 #include <vector>
 
 namespace paperbake {
@@ -35,7 +36,7 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
 double quarter_period(const Swing&);
 
 /// [rad/s] 12 swings a second.
-inline constexpr double fastest_swing = 2 * 3.14159265358979323846 * 12;
+inline constexpr double fastest_swing = 2 * M_PI * 12;
 
 /// [1/s] The damping, as in ElasticOptions, that lets a sheet sink under its weight as fast as it
 /// can without swinging: 2 w, with w^2 = 1.545 g/d of a cantilever whose tip sinks by the amplitude

@@ -42,6 +42,12 @@ inline double distance_to_segment(const Vector2d& p, const Vector2d& a, const Ve
   return (p - a - nearest_share(p, a, b) * (b - a)).norm();
 }
 
+/// A disc on a pattern.
+struct Disc {
+  Vector2d centre;  // [m]
+  double radius;    // [m]
+};
+
 /// A straight line between two points of a pattern. [m]
 struct Segment2 {
   Vector2d a, b;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/model/sheet.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <vector>
@@ -9,10 +9,6 @@ namespace paperbake {
 
 /// Rules of the artist for the singular points of a crumple, given on the pattern before it begins.
 struct SingularPointRules {
-  struct Disc {
-    Vector2d centre;  // [m]
-    double radius;    // [m]
-  };
   std::vector<Vector2d> fixed;  // [m] singular points that exist from the first frame on
   std::vector<Disc> forbidden;  // no singular point is born in these
 

@@ -4,6 +4,7 @@
 #include "core/geometry/edge_operations.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/singular_vertices.h"
+#include "core/model/degrees.h"
 #include "core/model/serializer.h"
 #include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/singular_points.h"
@@ -16,10 +17,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double degrees = M_PI / 180;
-
 // A junction: a vertex that turns in its second direction and at which so many folds meet
-constexpr double junction_fold = 18 * degrees;
+constexpr double junction_fold = radians_of(18);
 constexpr int junction_folds = 3;
 constexpr double junction_way = 0.002;  // [1] for which it must last
 // [1] of the size of its ring, within which a junction is the same as in the step before
@@ -30,16 +29,16 @@ constexpr double facet_share = 0.45, closest_share = 0.5;
 
 // A vertex without such a fold has no reason to slide, and one with a sharper one no way to: paper
 // that was folded by so much has broken there, and the fold stays.
-constexpr double sliding_fold = 8 * degrees, lasting_fold = 90 * degrees;
+constexpr double sliding_fold = radians_of(8), lasting_fold = radians_of(90);
 // [1] of its longest edge: how far a vertex slides while the sheet is deformed by full_travel
 constexpr double stride = 0.2, full_travel = 0.004;
 constexpr double steep = 3;  // [1] a force of E/3h and more moves a vertex by a full stride
 constexpr double least_rate = 0.05, slower = 0.5, faster = 1.3;
 
-constexpr double flat_fold = 4 * degrees;   // an edge that carries no fold may be flipped
-constexpr double kept_fold = 12 * degrees;  // vertices with such a fold are not merged
-constexpr double near_point = 0.8;          // [1] of the edge length around a singular point
-constexpr double merged_below = 0.8;        // [1] in the metric
+constexpr double flat_fold = radians_of(4);   // an edge that carries no fold may be flipped
+constexpr double kept_fold = radians_of(12);  // vertices with such a fold are not merged
+constexpr double near_point = 0.8;            // [1] of the edge length around a singular point
+constexpr double merged_below = 0.8;          // [1] in the metric
 // [1] membrane energy over bending energy, of the whole sheet, and of a ring in itself or in the
 // mean ring. In a ridge the membrane stores a sixth of the energy [Lobkovsky 1997], in crumpled
 // sheets up to a third: what stores more is a mesh that cannot fold.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/segment2.h"
 #include "core/step2_crumple/regions.h"
 
 #include <vector>
@@ -14,12 +15,6 @@ struct Ruling {
   int region = 0;            // index into Regions::all()
   bool cuts_corner = false;  // it cuts off a loaded corner
   double length() const { return (b - a).norm(); }
-};
-
-/// A disc on the pattern that rulings do not enter.
-struct Disc {
-  Vector2d centre;  // [m]
-  double radius;    // [m]
 };
 
 /// Where handles that no other one is near pull at the sheet.

@@ -1,5 +1,6 @@
 #include "formats/config/preset_file.h"
 
+#include "core/model/degrees.h"
 #include "core/model/error.h"
 #include "formats/config/nearest_word.h"
 #include "formats/config/toml_document.h"
@@ -39,7 +40,7 @@ const std::array<PaperParameter, 11> paper_parameters{{
     {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
     {"hardening", &Paper::hardening, "1", 0, 0.9},
     {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
-    {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
+    {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, radians_of(1)},
     {"friction", &Paper::friction, "1", 0, max_friction, false},
 }};
 

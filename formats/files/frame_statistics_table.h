@@ -2,6 +2,7 @@
 
 #include "core/model/frame_statistics.h"
 
+#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -108,8 +109,8 @@ using R = RenderStatistics;
 using Curve = ReportCurve;
 using Column = WedgeColumn;
 
-constexpr StatisticUnit percent{"%", 100}, degrees{"deg", 180, 3.14159265358979323846},
-    millimetres{"mm", 1e3}, milliseconds{"ms"}, joules{"J"};
+constexpr StatisticUnit percent{"%", 100}, degrees{"deg", 180, M_PI}, millimetres{"mm", 1e3},
+    milliseconds{"ms"}, joules{"J"};
 constexpr auto spread = ShotValue::spread;
 
 template <class T>

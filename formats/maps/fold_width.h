@@ -12,7 +12,7 @@
 namespace paperbake {
 
 /// [rad] a fold cannot turn farther than this in either direction: it is shut then
-inline constexpr double max_fold_angle = 3.14159265358979323846;
+inline constexpr double max_fold_angle = M_PI;
 
 /// The width by which the curvature at each vertex has to be multiplied to give the turn of the
 /// smooth paper there across a width w:

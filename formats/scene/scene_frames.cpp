@@ -1,5 +1,6 @@
 #include "formats/scene/scene_frames.h"
 
+#include "core/model/degrees.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_properties.h"
 
@@ -161,7 +162,7 @@ void warn_of_wide_turns(SceneNodes& scene) {
     if (track.interpolation == Interpolation::step) continue;
     for (std::size_t k = 1; k < track.keys.size(); ++k) {
       const auto &a = track.keys[k - 1], &b = track.keys[k];
-      const double turn = a.value.angularDistance(b.value) * 180 / EIGEN_PI;
+      const double turn = degrees_of(a.value.angularDistance(b.value));
       if (b.time - a.time <= 1 || turn <= widest) continue;
       widest = turn;
       where =

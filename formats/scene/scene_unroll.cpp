@@ -1,5 +1,7 @@
 #include "formats/scene/scene_unroll.h"
 
+#include "core/geometry/measure.h"
+#include "core/model/degrees.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
 
@@ -16,7 +18,6 @@ namespace {
 
 // relative change of an edge's length: more would stretch the paper before it moves
 constexpr double max_edge_change = 0.01;
-constexpr double pi = 3.14159265358979323846;
 
 double twice_area(const Points2& p, int a, int b, int c) {
   const Vector2d ab = (p.row(b) - p.row(a)).transpose(), ac = (p.row(c) - p.row(a)).transpose();
@@ -67,12 +68,12 @@ AngleDefect worst_angle_defect(const WeldedMesh& mesh) {
   const auto left = triangle_left_of(mesh.triangles);
   for_each_corner(mesh.triangles, [&](int, int a, int b, int c) {
     const Vector3d ab = mesh.x.row(b) - mesh.x.row(a), ac = mesh.x.row(c) - mesh.x.row(a);
-    angle[a] += std::atan2(ab.cross(ac).norm(), ab.dot(ac));
+    angle[a] += angle_between(ab, ac);
     if (!left.count({b, a})) border[a] = border[b] = true;
   });
   AngleDefect worst;
   for (int v = 0; v < mesh.x.rows(); ++v) {
-    const double degrees = (2 * pi - angle[v]) * 180 / pi;
+    const double degrees = degrees_of(2 * M_PI - angle[v]);
     if (!border[v] && std::abs(degrees) > std::abs(worst.degrees)) worst = {degrees, v};
   }
   return worst;

@@ -42,7 +42,7 @@ TEST(SingularPointRulesTest, NoSingularPointIsBornWhereItIsForbidden) {
   Shot shot = dcone();
   const auto without_rules = born(shot, 56);
   ASSERT_FALSE(without_rules.empty());
-  const SingularPointRules::Disc disc{without_rules.front().pattern, 0.02};
+  const Disc disc{without_rules.front().pattern, 0.02};
   shot.singular_point_rules.forbidden = {disc};
   const auto others = born(shot, 56);
   ASSERT_FALSE(others.empty()) << "the next best place is taken";
