@@ -201,8 +201,6 @@ class SheetSimulation {
   /// The sheet with what drives it through the whole frame, or through a part of it.
   DrivenSheet driven_sheet(RecordTrajectory);
   DrivenSheet driven_in_part(RecordTrajectory, int part);
-  /// Adds to now_.step what the parts of the frame before the last one have taken.
-  void add_to_step(const FrameStepResult& before);
   /// Ends a part of the frame. before: the step of the parts before it, or of the same part before
   /// it was tried again
   void end_part(FrameStepResult before, int part);

@@ -3,14 +3,23 @@
 
 #include "core/animation/island_step.h"
 #include "core/animation/motion_measures.h"
-#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace paperbake {
+namespace {
+
+/// Adds to the step of a part of the frame what the parts before it have taken.
+void add_parts_before(FrameStepResult& step, const FrameStepResult& before) {
+  step.substeps += before.substeps;
+  step.iterations += before.iterations;
+  step.converged &= before.converged;
+  step.last.plastic_increment += before.last.plastic_increment;
+}
+
+}  // namespace
 
 StepInput SheetSimulation::input_of_part(int part) const {
   StepInput input = now_.input;
@@ -125,13 +134,6 @@ void SheetSimulation::end_step() {
   now_.trajectory.end(sheet());
 }
 
-void SheetSimulation::add_to_step(const FrameStepResult& before) {
-  now_.step.substeps += before.substeps;
-  now_.step.iterations += before.iterations;
-  now_.step.converged &= before.converged;
-  now_.step.last.plastic_increment += before.last.plastic_increment;
-}
-
 void SheetSimulation::hold_if_jammed() {
   jam_.release();
   if (now_.step.followed == 1) return;
@@ -148,7 +150,7 @@ void SheetSimulation::hold_if_jammed() {
 
 void SheetSimulation::end_part(FrameStepResult before, int part) {
   before.converged |= before.followed < 1;  // what was tried again
-  add_to_step(before);
+  add_parts_before(now_.step, before);
   outcome_.at_minimum = now_.step.converged && !now_.step.last.snap_in_progress;
   now_.followed += now_.step.followed * (double(part) / now_.load_parts - now_.followed);
 }
