@@ -3,14 +3,12 @@
 #include "baker/job/input_hash.h"
 #include "baker/output/gates.h"
 #include "core/geometry/collider_motion.h"
-#include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/hands/handle_feasibility.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 

@@ -8,7 +8,6 @@
 #include "formats/files/json.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 

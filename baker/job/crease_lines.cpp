@@ -6,9 +6,7 @@
 #include "formats/config/job_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <utility>
 
 namespace paperbake {
 namespace {

@@ -3,7 +3,6 @@
 #include "core/geometry/collider_gap.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
-#include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,6 @@
 #include "core/model/segment2.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

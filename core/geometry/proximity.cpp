@@ -1,7 +1,6 @@
 #include "core/geometry/proximity.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace paperbake {
 namespace {

@@ -5,7 +5,6 @@
 #include "core/model/segment2.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace paperbake {
 namespace {

@@ -1,7 +1,6 @@
 #include "formats/scene/scene_tracks.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace paperbake {
 namespace {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <limits>
 
 namespace paperbake {
 namespace {

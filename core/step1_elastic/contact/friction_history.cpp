@@ -1,7 +1,5 @@
 #include "core/step1_elastic/contact/friction_history.h"
 
-#include <cmath>
-
 namespace paperbake {
 
 Vector3d FrictionHistory::shear(const TouchingFeatures& contact) const {
