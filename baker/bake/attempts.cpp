@@ -212,15 +212,20 @@ std::string Attempts::why_tried(const Attempt& before) const {
                      before.frame, 1e3 * before.off);
 }
 
+std::size_t Attempts::most_attempts() const {
+  const auto allowed = static_cast<std::size_t>(settings_.attempts);
+  constexpr std::size_t with_each_mesh = 3;
+  if (reason_ != AttemptReason::handle_off) return 2;
+  return handles_moved_ ? allowed : std::min(allowed, with_each_mesh);
+}
+
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
   reason_ = failing_           ? AttemptReason::handle_off
             : seen_.points > 0 ? AttemptReason::crumpled
                                : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
   std::vector<std::unique_ptr<Candidate>> all;
-  const bool is_luck = reason_ == AttemptReason::handle_off && handles_moved_;
-  const std::size_t count = is_luck ? static_cast<std::size_t>(settings_.attempts) : 2;
-  while (all.size() < count) all.push_back(make_candidate(all.size(), stop, clock));
+  while (all.size() < most_attempts()) all.push_back(make_candidate(all.size(), stop, clock));
   FrequentMessage frequent;
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {

@@ -18,9 +18,10 @@ namespace paperbake {
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
 /// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles
-/// nor colliders. Where only colliders have moved, there is one other attempt: what they push away
-/// they push away with most seeds. Depth inside a collider counts as much as a handle that misses
-/// its gate as many times (worst_miss).
+/// nor colliders. Where only colliders have moved, there are two others at most, one with each of
+/// the finer meshes below: what they push away they push away with most seeds, but paper may
+/// crumple under them only because its mesh is too coarse to bend. Depth inside a collider counts
+/// as much as a handle that misses its gate as many times (worst_miss).
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
@@ -96,6 +97,7 @@ class Attempts {
   std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
   /// Whether smooth paper loses a handle on a finer mesh: another seed may hold it.
   bool may_another_seed_do(const Candidate& finer) const;
+  std::size_t most_attempts() const;  // the first one counted
   std::string why_tried(const Attempt& before) const;
   void remove_attempts() const;
 

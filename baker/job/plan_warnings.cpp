@@ -1,6 +1,7 @@
 #include "baker/job/plan_warnings.h"
 
 #include "baker/job/method_choice.h"
+#include "baker/job/tolerances.h"
 #include "core/geometry/collider_depth.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -41,14 +42,46 @@ std::string describe(const UnreachablePairOfSheet& impossible) {
       1e3 * over, 100 * over / p.allowed);
 }
 
+namespace {
+
+double overshoot_of(const UnreachablePair& pair) { return pair.apart - pair.allowed; }
+
+/// Whether the handles are met within the tolerances when both go as far as the paper lets them.
+bool is_within_tolerances(const UnreachablePair& pair) {
+  return overshoot_of(pair) <= std::min(handle_tolerance, mean_stretch_tolerance * pair.allowed);
+}
+
+std::string describe_slightly_apart(const std::vector<UnreachablePair>& pairs,
+                                    const std::string& sheet) {
+  const UnreachablePair& worst = *std::max_element(
+      pairs.begin(), pairs.end(), [](const UnreachablePair& a, const UnreachablePair& b) {
+        return overshoot_of(a) < overshoot_of(b);
+      });
+  return fmt::format(
+      "Handles of sheet \"{}\" are keyed up to {:.2f} mm too far apart ({} {}; the worst are "
+      "\"{}\" "
+      "and \"{}\" at frame {}), as by noise in their keys. They are followed as far as paper can.",
+      sheet, 1e3 * overshoot_of(worst), pairs.size(), pairs.size() == 1 ? "pair" : "pairs", worst.a,
+      worst.b, worst.frame);
+}
+
+}  // namespace
+
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
-  for (const Shot& shot : plan.shots)
+  for (const Shot& shot : plan.shots) {
+    std::vector<UnreachablePair> slightly;
     for (UnreachablePair& pair : all_impossible_pairs(
              shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
-      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+      if (is_within_tolerances(pair))
+        slightly.push_back(std::move(pair));
+      else
+        plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+    if (!slightly.empty())
+      plan.warnings.push_back(describe_slightly_apart(slightly, shot.sheet_name));
+  }
   std::stable_sort(plan.impossible.begin(), plan.impossible.end(),
                    [](const UnreachablePairOfSheet& a, const UnreachablePairOfSheet& b) {
-                     return a.pair.apart - a.pair.allowed > b.pair.apart - b.pair.allowed;
+                     return overshoot_of(a.pair) > overshoot_of(b.pair);
                    });
   if (!settings.strict || plan.impossible.empty()) return;
   const UnreachablePair& pair = plan.impossible.front().pair;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/job/plan.h"
+#include "baker/job/tolerances.h"
 #include "formats/files/certificate.h"
 
 #include <string>
@@ -11,9 +12,9 @@ namespace paperbake {
 /// Limits that a bake must keep to end with exit code 0. The simulated mesh is judged by them, and
 /// so is the mesh that is handed on.
 struct Gates {
-  double mean_stretch_pct = 2;  // c_m of any frame
-  double max_stretch_pct = 5;   // any edge of any frame
-  double handle_err_mm = 1;
+  double mean_stretch_pct = 100 * mean_stretch_tolerance;  // c_m of any frame
+  double max_stretch_pct = 5;                              // any edge of any frame
+  double handle_err_mm = 1e3 * handle_tolerance;
   // As thick as copy paper: a sheet that is that deep in a collider has vanished in it with both of
   // its faces. It is twice the depth that the solver lets pass, and a pixel where A4 fills an image
   // 3,000 pixels high.

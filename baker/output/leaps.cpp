@@ -50,8 +50,8 @@ void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps)
     }
     if (now.moved >
         sudden * std::max(1.0, now.driven / drive) * std::max(around, slow_motion * side))
-      leaps.push_back(
-          {frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0, now.inertia});
+      leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0,
+                       now.inertia, k == 1 && now.driven <= slow_drive});
   }
 }
 
@@ -92,6 +92,11 @@ std::string describe(const std::vector<Leap>& all_leaps) {
                             fmt::join(others, ", "), all ? "" : " and more",
                             leaps.size() == 2 ? "is" : "are");
   }
+  if (longest.springs)
+    return sentence +
+           ". It springs from the shape in which it was modelled. Model it as it lies at rest, "
+           "hold "
+           "it with handles, or mark its folds as creases with paper_crease = \"modelled\".";
   // paper without inertia has no speed, and is in its other shape at once
   return sentence +
          fmt::format(". If it shows, try {}more --base-triangles, or slower keys.",

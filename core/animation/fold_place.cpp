@@ -3,6 +3,7 @@
 #include "core/geometry/collider_gap.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>

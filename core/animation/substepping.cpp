@@ -149,6 +149,7 @@ struct Rejection {
   bool not_finite = false;  // the energy: the solver could not go on
   WorstEdge worst;
   bool jammed = false;
+  bool squeezed_too_far = false;  // are_squeezed_too_far
 };
 
 /// Whether a step has left sheets in a state in which paper cannot be.
@@ -198,6 +199,7 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   bool unfinished = converge_in_halves(sheets, frame, part, result);
   if (may_jam(sheets, part.halvings)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
+    rejection.squeezed_too_far = far;
     const bool crushed =
         rejection.not_finite || are_crushed(rejection.worst, stretch_before, result);
     rejection.jammed = crushed && !far;
@@ -302,7 +304,8 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
     }
     return result;
   }
-  if (part.halvings >= std::max(max_halvings, frame.min_halvings) && !is_long) {
+  if (part.halvings >= std::max(max_halvings, frame.min_halvings) && !is_long &&
+      !rejection->squeezed_too_far) {
     const std::string reason = reason_of(*rejection, part.halvings, frame, sheets);
     for (FrameStepResult& r : result) r.failure_reason = reason;
     return result;

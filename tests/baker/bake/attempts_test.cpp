@@ -457,6 +457,18 @@ TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
   EXPECT_TRUE(shapes("out") == shapes("direct")) << "it is the bake with that seed and mesh";
 }
 
+TEST_F(AttemptsTest, WhereOnlyCollidersMoveThereAreTwoOthersAtMost) {
+  const auto tried = [&](const std::string& out, const Words& more) {
+    Words words{"--base-triangles", "60"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = run(shot_of(violent("pencil8"), out, words));
+    EXPECT_EQ(ended.code, 4) << "a pencil goes through a sheet that is held: " << ended.err;
+    return summary(out).at("attempts").at("tried").size();
+  };
+  EXPECT_EQ(tried("out", {}), 3u);
+  EXPECT_EQ(tried("two", {"--attempts", "2"}), 2u);
+}
+
 TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheAttemptThatWasChosen) {
   run(crumple("whole", {}));
   const int before = times(read(folder / "stderr.txt"), "is tried");

@@ -242,5 +242,27 @@ TEST(Plan, TheWorstImpossiblePairOfAllSheetsComesFirst) {
   EXPECT_EQ(sheets, (std::vector<std::string>{"paper.1", "paper.2", "paper.0"}));
 }
 
+TEST(Plan, HandlesThatAreSlightlyTooFarApartAreAWarning) {
+  const auto planned = [](double length, double over) {
+    BakePlan plan;
+    Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
+    shot.sheet_name = "paper";
+    shot.handles = {test::bare_handle("handle.left", {0, 0}, 3),
+                    test::bare_handle("handle.right", {length, 0}, 3)};
+    shot.handles[1].keyed.col(0).array() += over;
+    plan.shots = {shot};
+    plan.animation.first_frame = 1;
+    plan.animation.last_frame = 3;
+    find_impossible_handles({}, plan);
+    return std::pair(plan.impossible.size(), plan.warnings.size());
+  };
+  const std::pair<std::size_t, std::size_t> nothing{0, 0}, warned{0, 1}, impossible{1, 0};
+  EXPECT_EQ(planned(0.1, 2e-5), nothing) << "nobody sees it";
+  EXPECT_EQ(planned(0.1, 9e-4), warned);
+  EXPECT_EQ(planned(0.1, 1.1e-3), impossible) << "more than a handle may be off";
+  EXPECT_EQ(planned(0.02, 3e-4), warned);
+  EXPECT_EQ(planned(0.02, 5e-4), impossible) << "more than 2 % of 20 mm";
+}
+
 }  // namespace
 }  // namespace paperbake

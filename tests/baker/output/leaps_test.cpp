@@ -87,6 +87,12 @@ TEST(LeapsTest, TheSentenceNamesTheLongest) {
   EXPECT_EQ(describe(find_leaps(swings.frames, swings.plan)).find("--dynamics"), std::string::npos)
       << "it has inertia";
   EXPECT_EQ(describe(std::vector<Leap>()), "");
+  Moved bent({0, 0.03, 1e-4, 1e-4});
+  EXPECT_NE(describe(find_leaps(bent.frames, bent.plan)).find("Model it as it lies at rest"),
+            std::string::npos);
+  for (FrameRecord& f : bent.frames) f.statistics.driven = 0.001;
+  EXPECT_NE(describe(find_leaps(bent.frames, bent.plan)).find("or slower keys"), std::string::npos)
+      << "handles that begin fast may be what throws it";
   Moved crumpled = twice;
   for (FrameRecord& f : crumpled.frames) f.statistics.singular = 3;
   EXPECT_EQ(crumpled.leaps().size(), 2u);

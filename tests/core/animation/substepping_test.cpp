@@ -2,6 +2,7 @@
 #include "core/geometry/rigid_motion.h"
 #include "core/methods/fem.h"
 #include "tests/core/animation/together_shots.h"
+#include "tests/core/collider_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -72,6 +73,36 @@ TEST(SubsteppingTest, AFrameIsNotDividedForAColliderThatMovesWithTheHandlesOfThe
   const RigidMotion back = nearest_rigid_motion(moved.x, still.x);
   for (Eigen::Index v = 0; v < still.x.rows(); ++v)
     EXPECT_LT((back(moved.x.row(v)) - still.x.row(v).transpose()).norm(), lag);
+}
+
+/// A sheet that is held at its corners, and a block that goes through it in the third frame.
+/// speed  [m/s]
+Shot through_a_held_sheet(double speed) {
+  constexpr double start = -0.041, fps = 24;
+  Shot shot = test::placed(0.1, 0.1, {-0.05, -0.05, 0}, Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  for (const Vector2d& p :
+       {Vector2d(0, 0), Vector2d(0.1, 0), Vector2d(0, 0.1), Vector2d(0.1, 0.1)}) {
+    test::hold(
+        shot, p, frames, [](int) { return Vector3d(0, 0, 0); }, {-0.05, -0.05, 0},
+        Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  }
+  ColliderMesh block = test::box({-0.02, -0.015, start}, {0.02, 0.015, start + 0.04});
+  for (int f = 0; f < frames; ++f) {
+    block.frames.own().push_back(block.x);
+    block.frames.own().back().col(2).array() += f < 2 ? 0 : speed / fps;
+  }
+  shot.colliders = test::all({block});
+  return shot;
+}
+
+TEST(SubsteppingTest, AColliderThatIsVeryFastIsFollowedInStepsAsShortAsThatTakes) {
+  AnimateOptions options;
+  options.last_frame = 4;
+  animate(through_a_held_sheet(8), fem(150), options, [&](const AnimatedFrame& frame) {
+    EXPECT_EQ(frame.note.find("stays as it was"), std::string::npos) << frame.note;
+    EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << frame.frame;
+    return true;
+  });
 }
 
 }  // namespace
