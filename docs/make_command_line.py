@@ -26,7 +26,9 @@ The form is `paperbake`, a command, its options, and a scene, a job file or a fo
 after a command prints what this page says of it.
 
 Requested data goes to stdout; messages and progress go to stderr. There are no prompts.
-Every option of `bake` is also a key of a [job file](job_files.md), with `_` in place of `-`.
+Options of `bake` are also keys of a [job file](job_files.md), with `_` in place of `-`, but for
+those that concern one call alone: `--log`, `--dry-run`, `--write-job`, `--force`, and `--set`, which
+is the section `[paper]` there.
 The command line takes precedence over the job file, the job file over properties of the scene, and
 those over the paper preset.
 

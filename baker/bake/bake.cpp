@@ -130,9 +130,11 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
     failure = error;  // what was recorded so far is kept
   }
   pipeline.files().failures.try_write(rest_of_frames, [&] { queue.finish(); });
-  if (!checkpoints.failure().empty())
+  if (!checkpoints.failure().empty()) {
+    pipeline.note_lost_checkpoints();
     progress.warning("what a later bake would go on from could not be kept: " +
                      checkpoints.failure());
+  }
   return failure;
 }
 

@@ -271,9 +271,11 @@ std::optional<Error> BakePipeline::final_error(const std::optional<Error>& failu
   const Error& error = failure ? *failure : failures.all().front().error;
   const std::string lost =
       failures.all().empty() ? "" : fmt::format(" Of what was asked for {}.", failures.summary());
-  return Error(error.code, error.place, error.cause,
-               fmt::format("Frames up to {} are kept.{} {}", certificate_.frames().back().frame,
-                           lost, error.remedy));
+  return Error(
+      error.code, error.place, error.cause,
+      (keeps_frames_ ? fmt::format("Frames up to {} are kept.", certificate_.frames().back().frame)
+                     : std::string("What was simulated could not be kept.")) +
+          fmt::format("{} {}", lost, error.remedy));
 }
 
 }  // namespace paperbake

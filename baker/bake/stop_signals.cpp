@@ -1,5 +1,6 @@
 #include "baker/bake/stop_signals.h"
 
+#include "baker/output/progress.h"
 #include "baker/output/say.h"
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
@@ -42,9 +43,11 @@ void wait_for_signal(int timeout_ms) {
 
 [[noreturn]] void end_at_once() {
   delete_unfinished_files();
-  const Error stopped(ErrorCode::stopped, "stopped",
-                      "The program was stopped in the middle of its work.",
-                      "What was done until then is kept: the same command continues from there.");
+  constexpr const char* cause = "The program was stopped in the middle of its work.";
+  Error stopped(ErrorCode::stopped, "stopped", cause,
+                "What was done until then is kept: the same command continues from there.");
+  if (!Progress::end_abruptly(stopped))
+    stopped = Error(ErrorCode::stopped, "stopped", cause, "The same command starts it again.");
   say_line(std::string("\npaperbake: ") + stopped.what());
   ::_exit(static_cast<int>(stopped.code));
 }

@@ -190,11 +190,10 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
     text += option_text(settings, option, folder);
   }
   text += "\n# One number of the paper, over preset and scene.\n[paper]\n";
-  const Paper default_paper;
+  const Paper paper = read_preset(settings.preset.value_or("copy70"), "").paper;
   const bool commanded = settings.origin("preset") == Origin::command;
   for (const PaperParameter& parameter : paper_parameters) {
-    std::string line =
-        fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(default_paper)));
+    std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(paper)));
     for (const SetValue& set : settings.set)
       if (set.key == parameter.key && (set.origin == Origin::command || !commanded))
         line = fmt::format("{} = {}", set.key, toml_number(set.value));

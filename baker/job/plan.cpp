@@ -227,6 +227,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   name_files(plan);
   warn_of_coarse_mesh(settings, plan);
   warn_of_doubtful_values(plan);
+  warn_of_replaced_paper(settings, plan);
   warn_of_map_frames(settings, plan);
   warn_of_sheets_inside_colliders(settings, plan);
   warn_of_sheets_in_each_other(plan);

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <limits>
 
 namespace paperbake {
@@ -91,6 +92,18 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
               describe(plan.impossible.front()),
               "Bring the handles closer together, or bake without --strict: then they are followed "
               "as far as paper can.");
+}
+
+void warn_of_replaced_paper(const BakeSettings& settings, BakePlan& plan) {
+  if (!settings.preset || settings.origin("preset") != Origin::command) return;
+  std::vector<std::string> keys;
+  for (const SetValue& set : settings.set)
+    if (set.origin == Origin::job) keys.push_back(set.key);
+  if (keys.empty()) return;
+  plan.warnings.push_back(
+      fmt::format("The preset of the command line replaces the paper of the job, also {} of its "
+                  "[paper]. Give what is to stay with --set.",
+                  fmt::join(keys, ", ")));
 }
 
 void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& plan) {

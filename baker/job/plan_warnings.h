@@ -21,6 +21,9 @@ void warn_of_sheets_inside_colliders(const BakeSettings&, BakePlan&);
 /// Warns of sheets that pass through each other where they begin.
 void warn_of_sheets_in_each_other(BakePlan&);
 
+/// Warns of single numbers of the job's paper that a preset on the command line replaces.
+void warn_of_replaced_paper(const BakeSettings&, BakePlan&);
+
 /// Warns of a mesh that is too coarse to bend.
 void warn_of_coarse_mesh(const BakeSettings&, BakePlan&);
 

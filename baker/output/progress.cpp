@@ -10,10 +10,15 @@
 #include <ctime>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <mutex>
 #include <unistd.h>
+#include <utility>
 
 namespace paperbake {
 namespace {
+
+std::mutex under_way_mutex;
+Progress* under_way = nullptr;  // that of the bake, from start() on
 
 std::string clock_text(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
@@ -76,6 +81,10 @@ Progress::Progress(std::function<void(const ProgressStep&)> on_step,
 }
 
 Progress::~Progress() {
+  {
+    const std::lock_guard lock(under_way_mutex);
+    if (under_way == this) under_way = nullptr;
+  }
   if (bar_open_) paperbake::say("\n");
 }
 
@@ -96,6 +105,10 @@ void Progress::log(const std::string& line) {
 }
 
 void Progress::start(const ProgressStart& start) {
+  {
+    const std::lock_guard lock(under_way_mutex);
+    under_way = this;
+  }
   several_sheets_ = start.sheets.size() > 1;
   log(fmt::format("paperbake {}: {}, frames {}-{}, to {}", program_version, start.name,
                   start.frames.first, start.frames.last, start.output.string()));
@@ -113,7 +126,21 @@ void Progress::start(const ProgressStart& start) {
               {"job_hash", start.job_hash}});
 }
 
+bool Progress::end_abruptly(const Error& error) {
+  const std::lock_guard lock(under_way_mutex);
+  if (!under_way || under_way->ended_) return false;
+  under_way->ended_ = true;
+  under_way->tell_end({static_cast<int>(error.code), {}, {}, error.what()});
+  return true;
+}
+
 void Progress::end(const ProgressEnd& end) {
+  const std::lock_guard lock(under_way_mutex);
+  if (std::exchange(ended_, true)) return;
+  tell_end(end);
+}
+
+void Progress::tell_end(const ProgressEnd& end) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
   log(fmt::format("{} after {}, exit code {}{}", result_of(end), clock_text(seconds), end.exit_code,

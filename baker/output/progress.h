@@ -72,6 +72,10 @@ class Progress {
   void warning(const std::string& sentence) { say("warning", "warning: ", sentence); }
   void gate_missed(const std::string& sentence) { say("gate", "gate missed: ", sentence); }
   void end(const ProgressEnd&);
+  /// Ends what is told of the bake that is under way, for a program that is about to end in the
+  /// middle of it. May be called from another thread.
+  /// returns  false: none is under way
+  static bool end_abruptly(const Error&);
 
  private:
   enum class Style { bar, plain, json, none, functions };
@@ -89,6 +93,7 @@ class Progress {
   /// "simulated frame 4 of 72, 0:12 left, stretched 0.003 %, 1 sharp point"
   std::string frame_text(const Pass&, const FrameRecord&, double stretch_mean) const;
   void log(const std::string& line);
+  void tell_end(const ProgressEnd&);
   double seconds_left() const;
 
   Style style_;
@@ -99,7 +104,7 @@ class Progress {
   bool several_sheets_ = false;
   Pass simulate_{"simulated"}, render_{"rendered"};
   std::map<std::string, int> taken_;
-  bool bar_open_ = false;
+  bool bar_open_ = false, ended_ = false;
   std::chrono::steady_clock::time_point begun_, last_;  // last_: when something was done
   std::unique_ptr<std::FILE, CloseFile> log_;
 };

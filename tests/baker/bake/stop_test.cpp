@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 namespace paperbake {
@@ -95,6 +96,27 @@ TEST_F(StopTest, ASignalWhileAFrameIsSimulatedForLongIsObeyed) {
   EXPECT_EQ(test::exit_code(child), 5);
   EXPECT_LT(std::chrono::steady_clock::now() - signalled, std::chrono::milliseconds(1200));
   EXPECT_NE(read(folder / "stderr.txt").find("stopped"), std::string::npos);
+}
+
+TEST_F(StopTest, ABakeThatIsEndedInTheMiddleOfAFrameTellsItsEnd) {
+  const std::string log = folder / "bake.log";
+  const pid_t child = test::start(
+      folder, {"bake", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem",
+               "--triangles", "30000", "--frames", "1-40", "--progress", "json", "--log", log});
+  while (read(folder / "stderr.txt").find("\"start\"") == std::string::npos) usleep(2000);
+  for (int signals = 0; signals < 2; ++signals) {
+    kill(child, SIGTERM);
+    usleep(20000);
+  }
+  EXPECT_EQ(test::exit_code(child), 5);
+  std::string last;
+  for (const std::string& line : test::lines_of(read(folder / "stderr.txt")))
+    if (line.rfind("{", 0) == 0) last = line;
+  const auto end = nlohmann::json::parse(last);
+  EXPECT_EQ(end.at("type"), "end");
+  EXPECT_EQ(end.at("result"), "stopped");
+  EXPECT_EQ(times(read(folder / "stderr.txt"), "\"end\""), 1);
+  EXPECT_NE(read(log).find("stopped after"), std::string::npos) << read(log);
 }
 
 TEST_F(StopTest, AStandardErrorThatCannotBeWrittenChangesNothing) {

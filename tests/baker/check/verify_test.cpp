@@ -4,6 +4,7 @@
 
 #include "core/geometry/random.h"
 #include "tests/baker/program_fixture.h"
+#include "tests/formats/scene/gltf_fixture.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,22 @@ TEST_F(VerifyTest, ABakedFolderAgreesWithItsCertificate) {
   EXPECT_TRUE(json["first_frame_off"].is_null());
   write(file("notes.txt"), "of somebody else");
   EXPECT_EQ(run({"verify", output()}).code, 0);
+}
+
+TEST_F(VerifyTest, WhatIsFarFromTheOriginMayBeOffByTheRoundingOfItsCache) {
+  test::GltfFixture scene;
+  const double far = 90.3;  // [m], where numbers of 32 bits are 8 um apart
+  scene.mesh("paper", test::grid(1, 1, 0.1, 0.1, nullptr,
+                                 [&](double u, double v) { return Vector3d(far + u, v, 0); }));
+  scene.node("handle.still", {far, 0, 0});
+  scene.move(scene.node("handle.moves", {far + 0.1, 0, 0}), {1, 7},
+             {{far + 0.1, 0, 0}, {far + 0.0837, 0.0123, 0.0171}});
+  const std::string out = folder / "far";
+  const Ended baked = run({"bake", scene.write("far.gltf").string(), "-o", out, "--formats",
+                           "abc,cert", "--quality", "draft"});
+  ASSERT_EQ(baked.code, 0) << baked.err;
+  const Ended verdict = run({"verify", out});
+  EXPECT_EQ(verdict.code, 0) << verdict.out;
 }
 
 TEST_F(VerifyTest, AFolderWithoutABakeIsACommandThatIsWrong) {

@@ -175,6 +175,36 @@ TEST_F(JobSettingsTest, TheSampleWithPinsIsBaked) {
   }
 }
 
+TEST_F(JobSettingsTest, APresetOfTheCommandLineThatReplacesNumbersOfTheJobIsAWarning) {
+  const auto told = [&](const Words& more) {
+    Words words{"bake", samples + "/S8_pinned.toml", "--dry-run"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out.find("apex_scatter = 0.003") == std::string::npos,
+              ended.err.find("also apex_scatter of its [paper]") != std::string::npos)
+        << ended.out << ended.err;
+    return ended.err.find("replaces the paper of the job") != std::string::npos;
+  };
+  EXPECT_FALSE(told({}));
+  EXPECT_TRUE(told({"--preset", "copy70"}));
+}
+
+TEST_F(JobSettingsTest, TheTemplateHasTheNumbersOfThePreset) {
+  ASSERT_EQ(run({"bake", samples + "/S4_crumple.glb", "--preset", "card300", "--write-job",
+                 folder / "card.toml"})
+                .code,
+            0);
+  const std::string written = read(folder / "card.toml"), card = run({"presets", "card300"}).out;
+  const auto value = [](const std::string& text, const std::string& beginning) {
+    const std::size_t at = text.find(beginning);
+    EXPECT_NE(at, std::string::npos) << beginning << text;
+    return std::stod(text.substr(text.find('=', at) + 1));
+  };
+  for (const std::string key : {"friction", "thickness"})
+    EXPECT_EQ(value(written, "\n# " + key + " = "), value(card, "[" + key + "]\nvalue = ")) << key;
+}
+
 TEST_F(JobSettingsTest, WithoutAnOutputFolderItEndsWithTwo) {
   write(folder / "shot.toml", "scene = \"" + samples + "/S4_crumple.glb\"\n");
   EXPECT_TRUE(is_error(run({"bake", folder / "shot.toml"}), 2, "command line", "--output"));
