@@ -214,9 +214,9 @@ std::string Attempts::why_tried(const Attempt& before) const {
 
 std::size_t Attempts::most_attempts() const {
   const auto allowed = static_cast<std::size_t>(settings_.attempts);
-  constexpr std::size_t with_each_mesh = 3;
   if (reason_ != AttemptReason::handle_off) return 2;
-  return handles_moved_ ? allowed : std::min(allowed, with_each_mesh);
+  const std::size_t one_on_each_mesh = may_be_finer(settings_) ? 3 : 2;
+  return handles_moved_ ? allowed : std::min(allowed, one_on_each_mesh);
 }
 
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {

@@ -131,7 +131,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   }
   pipeline.files().failures.try_write(rest_of_frames, [&] { queue.finish(); });
   if (!checkpoints.failure().empty()) {
-    pipeline.note_lost_checkpoints();
+    pipeline.note_kept_until(checkpoints.kept_until());
     progress.warning("what a later bake would go on from could not be kept: " +
                      checkpoints.failure());
   }

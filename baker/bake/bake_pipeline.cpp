@@ -269,13 +269,14 @@ std::optional<Error> BakePipeline::final_error(const std::optional<Error>& failu
   const WriteFailures& failures = files_.failures;
   if (!failure && failures.all().empty()) return {};
   const Error& error = failure ? *failure : failures.all().front().error;
+  const int last = std::min(certificate_.frames().back().frame, kept_until_);
+  const std::string kept = last < context_.plan.animation.first_frame
+                               ? "What was simulated could not be kept."
+                               : fmt::format("Frames up to {} are kept.", last);
   const std::string lost =
       failures.all().empty() ? "" : fmt::format(" Of what was asked for {}.", failures.summary());
-  return Error(
-      error.code, error.place, error.cause,
-      (keeps_frames_ ? fmt::format("Frames up to {} are kept.", certificate_.frames().back().frame)
-                     : std::string("What was simulated could not be kept.")) +
-          fmt::format("{} {}", lost, error.remedy));
+  return Error(error.code, error.place, error.cause,
+               fmt::format("{}{} {}", kept, lost, error.remedy));
 }
 
 }  // namespace paperbake

@@ -54,8 +54,8 @@ class BakePipeline {
 
   BakeFiles& files() { return files_; }
   StageClock& clock() { return *context_.clock; }
-  /// What was simulated could not be kept: a later bake begins again.
-  void note_lost_checkpoints() { keeps_frames_ = false; }
+  /// Of what was simulated, a later bake finds no frame after this one.
+  void note_kept_until(int frame) { kept_until_ = frame; }
   /// No frame was recorded that is to be written.
   bool is_empty() const { return certificate_.frames().empty(); }
 
@@ -74,7 +74,7 @@ class BakePipeline {
   TaskQueue tasks_;
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
-  bool keeps_frames_ = true;
+  int kept_until_ = std::numeric_limits<int>::max();  // of what is simulated
   int recorded_until_ = std::numeric_limits<int>::min();
   std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate
   std::optional<SampledShapes> shapes_;                // for the twin

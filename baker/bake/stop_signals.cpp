@@ -47,7 +47,8 @@ void wait_for_signal(int timeout_ms) {
   Error stopped(ErrorCode::stopped, "stopped", cause,
                 "What was done until then is kept: the same command continues from there.");
   if (!Progress::end_abruptly(stopped))
-    stopped = Error(ErrorCode::stopped, "stopped", cause, "The same command starts it again.");
+    stopped = Error(ErrorCode::stopped, "stopped", cause,
+                    "What is complete is kept: the same command does the rest.");
   say_line(std::string("\npaperbake: ") + stopped.what());
   ::_exit(static_cast<int>(stopped.code));
 }

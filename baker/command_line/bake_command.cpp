@@ -8,7 +8,6 @@
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
 
-#include <fmt/format.h>
 #include <memory>
 
 namespace paperbake {
@@ -39,7 +38,7 @@ void add_bake(CLI::App& app, BakeArguments& parsed) {
 /// throws Error(ErrorCode::command) when the job would overwrite something, such as the scene
 void write_job(const BakeArguments& parsed, const BakeSettings& settings) {
   if (*parsed.write_job == "-") {
-    fmt::print("{}", job_text(settings, std::filesystem::current_path() / "job.toml"));
+    print_data(job_text(settings, std::filesystem::current_path() / "job.toml"));
     return;
   }
   std::error_code none;
@@ -64,7 +63,7 @@ int run_bake(const BakeArguments& parsed) {
     const BakePlan plan = plan_bake(settings);  // what cannot be baked is not written
     write_job(parsed, settings);
     if (settings.output.empty()) {
-      if (*parsed.write_job != "-") fmt::print("{}\n", parsed.write_job->string());
+      if (*parsed.write_job != "-") list_line(parsed.write_job->string());
       return plan.impossible.empty() ? 0 : gate_missed;
     }
   }
@@ -75,7 +74,7 @@ int run_bake(const BakeArguments& parsed) {
   if (parsed.dry_run) {
     Progress progress(settings.progress, 0, passes_of(settings));
     print_warnings(plan, progress);
-    fmt::print("{}", lock_text(plan));
+    print_data(lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;
   }
   const BakeOutcome outcome = bake_with_progress(settings, plan, is_stop_asked);

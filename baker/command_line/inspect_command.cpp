@@ -2,10 +2,10 @@
 #include "baker/command_line/command.h"
 #include "baker/command_line/parsed_options.h"
 #include "baker/job/job_settings.h"
+#include "baker/output/say.h"
 #include "formats/files/atomic_file.h"
 
 #include <filesystem>
-#include <fmt/format.h>
 #include <memory>
 #include <optional>
 
@@ -46,15 +46,15 @@ int run_inspect(const InspectArguments& parsed) {
   if (parsed.tracks) {
     const std::string csv = tracks_csv(settings.scene, settings.reading);
     if (*parsed.tracks == "-")
-      fmt::print("{}", csv);
+      print_data(csv);
     else
       write_atomically(*parsed.tracks, csv);
     return 0;
   }
   const bool cache = parsed.file.extension() == ".abc";
-  fmt::print("{}", cache ? inspect_cache(parsed.file, parsed.json)
-                   : job ? inspect_job(settings, parsed.json)
-                         : inspect_scene(parsed.file, settings.reading, parsed.json));
+  print_data(cache ? inspect_cache(parsed.file, parsed.json)
+             : job ? inspect_job(settings, parsed.json)
+                   : inspect_scene(parsed.file, settings.reading, parsed.json));
   return 0;
 }
 

@@ -1,4 +1,5 @@
 #include "baker/command_line/command.h"
+#include "baker/output/say.h"
 #include "formats/config/preset_file.h"
 #include "formats/files/json.h"
 
@@ -26,10 +27,11 @@ CLI::App* add_presets(CLI::App& app, PresetsArguments& parsed) {
 int run_presets(const PresetsArguments& parsed) {
   const auto& [name, json] = parsed;
   if (name && !json) {
-    fmt::print("{}", read_preset(*name).text);
+    print_data(read_preset(*name).text);
     return 0;
   }
   Json all = Json::array();
+  std::string table;
   std::vector<std::string> grades = name ? std::vector<std::string>{*name} : preset_names();
   const std::vector<std::string> own_grades = user_preset_names();
   const auto is_own = [&](const std::string& grade) {
@@ -46,11 +48,12 @@ int run_presets(const PresetsArguments& parsed) {
           {"value", e.value}, {"unit", e.unit}, {"source", e.source}, {"mark", e.mark}};
     all.push_back({{"name", preset.paper.name}, {"file", preset.file}, {"values", entries}});
     if (!json)
-      fmt::print("{:<12} {:>4g} g/m2  {:>4g} um  D {:<8g} N m  {}\n", grade,
-                 1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness,
-                 preset.paper.bending_stiffness, is_own(grade) ? preset.file : "built in");
+      table +=
+          fmt::format("{:<12} {:>4g} g/m2  {:>4g} um  D {:<8g} N m  {}\n", grade,
+                      1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness,
+                      preset.paper.bending_stiffness, is_own(grade) ? preset.file : "built in");
   }
-  if (json) fmt::print("{}\n", json_lines(name ? all.front() : all));
+  print_data(json ? json_lines(name ? all.front() : all) + "\n" : table);
   return 0;
 }
 

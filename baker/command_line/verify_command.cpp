@@ -2,10 +2,10 @@
 #include "baker/check/verify.h"
 #include "baker/command_line/command.h"
 #include "baker/command_line/parsed_options.h"
+#include "baker/output/say.h"
 #include "core/model/error.h"
 
 #include <filesystem>
-#include <fmt/format.h>
 #include <memory>
 #include <optional>
 
@@ -33,10 +33,10 @@ int run_verify(const VerifyArguments& parsed) {
   std::optional<ErrorEstimates> estimates;
   if (parsed.estimate) estimates = estimate_errors(parsed.folder);
   if (parsed.json) {
-    fmt::print("{}", verification_json(verification, estimates));
+    print_data(verification_json(verification, estimates));
   } else {
-    fmt::print("{}", verification_text(parsed.folder, verification));
-    if (estimates) fmt::print("{}", estimates_text(*estimates));
+    print_data(verification_text(parsed.folder, verification));
+    if (estimates) print_data(estimates_text(*estimates));
   }
   return verification.differences.empty() ? 0 : gate_missed;
 }

@@ -189,8 +189,10 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
     if (option.kind == JobKey::word) text += fmt::format("# ({})\n", fmt::join(option.words, ", "));
     text += option_text(settings, option, folder);
   }
-  text += "\n# One number of the paper, over preset and scene.\n[paper]\n";
   const Paper paper = read_preset(settings.preset.value_or("copy70"), "").paper;
+  text += fmt::format(
+      "\n# One number of the paper, over preset and scene; here those of {}.\n[paper]\n",
+      paper.name);
   const bool commanded = settings.origin("preset") == Origin::command;
   for (const PaperParameter& parameter : paper_parameters) {
     std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(paper)));

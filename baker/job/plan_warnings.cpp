@@ -47,9 +47,10 @@ namespace {
 
 double overshoot_of(const UnreachablePair& pair) { return pair.apart - pair.allowed; }
 
-/// Whether the handles are met within the tolerances when both go as far as the paper lets them.
-bool is_within_tolerances(const UnreachablePair& pair) {
-  return overshoot_of(pair) <= std::min(handle_tolerance, mean_stretch_tolerance * pair.allowed);
+/// Whether two handles are too far apart by no more than gates mind, and nothing is in their way.
+bool is_slight(const UnreachablePair& pair) {
+  return pair.around.empty() &&
+         overshoot_of(pair) <= std::min(handle_tolerance, mean_stretch_tolerance * pair.allowed);
 }
 
 std::string describe_slightly_apart(const std::vector<UnreachablePair>& pairs,
@@ -73,7 +74,7 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
     std::vector<UnreachablePair> slightly;
     for (UnreachablePair& pair : all_impossible_pairs(
              shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
-      if (is_within_tolerances(pair))
+      if (is_slight(pair) && !settings.strict)
         slightly.push_back(std::move(pair));
       else
         plan.impossible.push_back({shot.sheet_name, std::move(pair)});
@@ -96,9 +97,14 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
 
 void warn_of_replaced_paper(const BakeSettings& settings, BakePlan& plan) {
   if (!settings.preset || settings.origin("preset") != Origin::command) return;
+  const auto is_given = [&](const std::string& key) {
+    return std::any_of(settings.set.begin(), settings.set.end(), [&](const SetValue& set) {
+      return set.key == key && set.origin == Origin::command;
+    });
+  };
   std::vector<std::string> keys;
   for (const SetValue& set : settings.set)
-    if (set.origin == Origin::job) keys.push_back(set.key);
+    if (set.origin == Origin::job && !is_given(set.key)) keys.push_back(set.key);
   if (keys.empty()) return;
   plan.warnings.push_back(
       fmt::format("The preset of the command line replaces the paper of the job, also {} of its "

@@ -7,8 +7,8 @@
 namespace paperbake {
 
 /// Finds the handles of a plan that ask for more than paper can reach: BakePlan::impossible. Where
-/// they ask for so little more that no gate is missed (tolerances.h), as noise in keys does, there
-/// is one warning for each sheet instead.
+/// they ask for as little more as gates let pass (tolerances.h), as noise in keys does, there is
+/// one warning for each sheet instead, but for --strict.
 /// throws  Error(ErrorCode::scene) with --strict when there are some
 void find_impossible_handles(const BakeSettings&, BakePlan&);
 

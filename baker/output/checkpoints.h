@@ -50,6 +50,8 @@ class Checkpoints {
 
   /// Why the last one could not be written; empty: it was. Its frames are part of the next one.
   const std::string& failure() const { return failure_; }
+  /// The last frame in a checkpoint; one less than the first of the shot: there is none.
+  int kept_until() const { return kept_until_; }
 
  private:
   ResumePoint load_chain(const std::function<bool(const AnimatedFrame&)>& on_frame);

@@ -36,7 +36,7 @@ bool is_let_go(const Shot& shot, int before, int now) {
   });
 }
 
-void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps) {
+void add_leaps(const Frames& frames, const Shot& shot, int first_frame, std::vector<Leap>& leaps) {
   const double side = longer_side(shot.pattern);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const FrameStatistics& now = frames[k]->statistics;
@@ -51,7 +51,8 @@ void add_leaps(const Frames& frames, const Shot& shot, std::vector<Leap>& leaps)
     if (now.moved >
         sudden * std::max(1.0, now.driven / drive) * std::max(around, slow_motion * side))
       leaps.push_back({frames[k]->frame, frames[k]->sheet, now.moved, around, now.singular > 0,
-                       now.inertia, k == 1 && now.driven <= slow_drive});
+                       now.inertia,
+                       frames[k - 1]->frame == first_frame && now.driven <= slow_drive});
   }
 }
 
@@ -63,7 +64,7 @@ std::vector<Leap> find_leaps(const std::vector<FrameRecord>& frames, const BakeP
     Frames of_sheet;
     for (const FrameRecord& f : frames)
       if (f.sheet == shot.sheet_name) of_sheet.push_back(&f);
-    add_leaps(of_sheet, shot, leaps);
+    add_leaps(of_sheet, shot, plan.animation.first_frame, leaps);
   }
   std::stable_sort(leaps.begin(), leaps.end(),
                    [](const Leap& a, const Leap& b) { return a.frame < b.frame; });
@@ -94,9 +95,8 @@ std::string describe(const std::vector<Leap>& all_leaps) {
   }
   if (longest.springs)
     return sentence +
-           ". It springs from the shape in which it was modelled. Model it as it lies at rest, "
-           "hold "
-           "it with handles, or mark its folds as creases with paper_crease = \"modelled\".";
+           ". It does not rest in the shape in which it was modelled. Model it as it lies at rest, "
+           "hold it with handles, or mark its folds as creases with paper_crease = \"modelled\".";
   // paper without inertia has no speed, and is in its other shape at once
   return sentence +
          fmt::format(". If it shows, try {}more --base-triangles, or slower keys.",

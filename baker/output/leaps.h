@@ -16,7 +16,7 @@ struct Leap {
   double around = 0;      // [m] the same in the frames that it is compared with, at most
   bool crumpled = false;  // the sheet has singular points by then
   bool inertia = false;   // it has inertia in this frame
-  bool springs = false;   // from the shape in which it was modelled, and nothing drives it
+  bool springs = false;   // from the shape in which it was modelled, and no handle drives it
 };
 
 /// The leaps of all sheets, in order of their frames. The sheet touches no other one, and no handle

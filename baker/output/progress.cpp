@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <mutex>
 #include <unistd.h>
-#include <utility>
 
 namespace paperbake {
 namespace {
@@ -136,7 +135,7 @@ bool Progress::end_abruptly(const Error& error) {
 
 void Progress::end(const ProgressEnd& end) {
   const std::lock_guard lock(under_way_mutex);
-  if (std::exchange(ended_, true)) return;
+  if (ended_.exchange(true)) return;
   tell_end(end);
 }
 
@@ -210,6 +209,7 @@ std::string Progress::frame_text(const Pass& pass, const FrameRecord& record,
 }
 
 void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean, int triangles) {
+  if (ended_) return;
   ++pass.done;
   const auto now = std::chrono::steady_clock::now();
   pass.seconds += std::chrono::duration<double>(now - last_).count();
@@ -249,6 +249,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
 }
 
 void Progress::say(const char* type, const char* prefix, const std::string& sentence) {
+  if (ended_) return;
   if (on_message_) on_message_(prefix + sentence);
   log(prefix + sentence);
   if (style_ == Style::none || style_ == Style::functions) return;

@@ -3,6 +3,7 @@
 #include "baker/job/settings.h"
 #include "formats/files/certificate.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -104,7 +105,8 @@ class Progress {
   bool several_sheets_ = false;
   Pass simulate_{"simulated"}, render_{"rendered"};
   std::map<std::string, int> taken_;
-  bool bar_open_ = false, ended_ = false;
+  bool bar_open_ = false;
+  std::atomic<bool> ended_ = false;  // by whichever thread; nothing is told any more
   std::chrono::steady_clock::time_point begun_, last_;  // last_: when something was done
   std::unique_ptr<std::FILE, CloseFile> log_;
 };

@@ -45,7 +45,8 @@ struct AnimateOptions {
 /// Simulates one sheet through its shot, frame by frame: handles -> step 1 -> method -> frame.
 /// Handle points and the rims of their discs are vertices of the first mesh.
 ///
-/// A step that fails is halved, down to 1/256 of a frame. A frame in which a flat sheet is
+/// A step that fails is halved, down to 1/256 of a frame, or to 1/1024 while a fast collider
+/// squeezes the sheet. A frame in which a flat sheet is
 /// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
 /// mesh. With inertia no step is longer than 1/96 s, because backward Euler damps motion: at 1/24 s
 /// a pendulum of 20 cm would lose half of its swing before it reaches the other side.

@@ -73,9 +73,9 @@ double move_against(const std::optional<RigidMotion>& carrying, const Collider& 
 
 /// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`
 /// [m].
-bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
+bool is_swept_farther(const DrivenSheet& f, double most) {
   const ColliderMotion& moving = f.input.colliders;
-  if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;
+  if (moving.from == moving.to) return false;
   const std::optional<RigidMotion> carrying = carrying_motion(f);
   double reach = collider_reach;
   for (const PositionConstraint& c : f.input.constraints)
@@ -92,24 +92,24 @@ bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
 /// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
 /// stretched by that against the rest of the sheet.
 bool is_swept_too_far(const DrivenSheet& f, int halvings) {
-  return is_swept_farther(f, halvings, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
+  return halvings < max_halvings_for_colliders &&
+         is_swept_farther(f, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
 }
 
-bool are_swept_farther(const std::vector<DrivenSheet>& sheets, int halvings, double most) {
+bool are_swept_farther(const std::vector<DrivenSheet>& sheets, double most) {
   return std::any_of(sheets.begin(), sheets.end(),
-                     [&](const DrivenSheet& f) { return is_swept_farther(f, halvings, most); });
+                     [&](const DrivenSheet& f) { return is_swept_farther(f, most); });
 }
 
 /// Whether colliders move on where the sheets are: these jam where they cannot give way.
-bool may_jam(const std::vector<DrivenSheet>& sheets, int halvings) {
-  return are_swept_farther(sheets, halvings, 0);
-}
+bool may_jam(const std::vector<DrivenSheet>& sheets) { return are_swept_farther(sheets, 0); }
 
 /// Whether a collider moves farther than a squeezed sheet follows it in one step that does not
-/// converge. Where it pushes layers against each other, they begin the step inside of it by what
-/// they do not let each other give way, and the force there would crush them.
+/// converge, and the step can be shorter. Where it pushes layers against each other, they begin the
+/// step inside of it by what they do not let each other give way, and the force there would crush
+/// them.
 bool are_squeezed_too_far(const std::vector<DrivenSheet>& sheets, int halvings) {
-  return are_swept_farther(sheets, halvings, max_squeeze);
+  return halvings < max_halvings_for_colliders && are_swept_farther(sheets, max_squeeze);
 }
 
 WorstEdge worst_edge_of(const std::vector<DrivenSheet>& sheets) {
@@ -149,7 +149,8 @@ struct Rejection {
   bool not_finite = false;  // the energy: the solver could not go on
   WorstEdge worst;
   bool jammed = false;
-  bool squeezed_too_far = false;  // are_squeezed_too_far
+  // a collider moves farther in this part than a squeezed sheet follows: a shorter one may do
+  bool squeezed_too_far = false;
 };
 
 /// Whether a step has left sheets in a state in which paper cannot be.
@@ -197,7 +198,7 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
   const double trusted =
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
   bool unfinished = converge_in_halves(sheets, frame, part, result);
-  if (may_jam(sheets, part.halvings)) {
+  if (may_jam(sheets)) {
     const bool far = are_squeezed_too_far(sheets, part.halvings);
     rejection.squeezed_too_far = far;
     const bool crushed =

@@ -54,7 +54,8 @@ int halvings_of_squeeze(const ColliderMotion&);
 /// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
 /// mesh. Handles that move farther relative to each other than one step should take are halved
 /// before the step is tried, and so are frames in which a collider moves near a sheet by more than
-/// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024.
+/// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024; so are steps that
+/// fail while a collider squeezes the sheet.
 ///
 /// Colliders that move squeeze sheets in steps that either converge or are no longer than three
 /// tenths of the reach of their barrier. Where such a step stretches an edge by more than 2 % and

@@ -457,16 +457,18 @@ TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
   EXPECT_TRUE(shapes("out") == shapes("direct")) << "it is the bake with that seed and mesh";
 }
 
-TEST_F(AttemptsTest, WhereOnlyCollidersMoveThereAreTwoOthersAtMost) {
-  const auto tried = [&](const std::string& out, const Words& more) {
-    Words words{"--base-triangles", "60"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Ended ended = run(shot_of(violent("pencil8"), out, words));
+TEST_F(AttemptsTest, WhereOnlyCollidersMoveThereIsOneOnEachMesh) {
+  const auto meshes = [&](const std::string& out, const Words& more) {
+    const Ended ended = run(shot_of(violent("pencil8"), out, more));
     EXPECT_EQ(ended.code, 4) << "a pencil goes through a sheet that is held: " << ended.err;
-    return summary(out).at("attempts").at("tried").size();
+    std::vector<int> triangles;
+    const json attempts = summary(out).at("attempts");
+    for (const json& tried : attempts.at("tried")) triangles.push_back(tried.at("base_triangles"));
+    return triangles;
   };
-  EXPECT_EQ(tried("out", {}), 3u);
-  EXPECT_EQ(tried("two", {"--attempts", "2"}), 2u);
+  EXPECT_EQ(meshes("out", {}), (std::vector<int>{120, 240, 480}));
+  EXPECT_EQ(meshes("two", {"--attempts", "2"}), (std::vector<int>{120, 240}));
+  EXPECT_EQ(meshes("given", {"--base-triangles", "60"}), (std::vector<int>{60, 60}));
 }
 
 TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheAttemptThatWasChosen) {

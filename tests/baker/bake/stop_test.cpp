@@ -132,6 +132,22 @@ TEST_F(StopTest, AStandardErrorThatCannotBeWrittenChangesNothing) {
   EXPECT_EQ(run_with_stderr("2>/dev/full", {"bake", "no.glb", "-o", "out"}), 3);
 }
 
+TEST_F(StopTest, DataThatCannotBeWrittenIsAnError) {
+  const auto to = [&](const char* where, const Words& all) {
+    std::string line = PAPERBAKE_PROGRAM;
+    for (const std::string& word : all) line += " '" + word + "'";
+    const int status = std::system(("exec " + line + " 2> /dev/null " + where).c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  const std::string scene = samples + "/S1_push.glb";
+  for (const Words& data :
+       {Words{"presets", "copy70"}, Words{"inspect", scene},
+        Words{"inspect", scene, "--tracks", "-"}, Words{"bake", scene, "--dry-run"}}) {
+    EXPECT_EQ(to("> /dev/null", data), 0) << data[0];
+    EXPECT_EQ(to("> /dev/full", data), 6) << data[0];
+  }
+}
+
 TEST_F(StopTest, WhatIsNoFileIsRefusedAndNotWaitedFor) {
   const std::string fifo = folder / "fifo.toml", scene = folder / "fifo.glb";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0666), 0);

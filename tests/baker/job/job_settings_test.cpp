@@ -188,6 +188,7 @@ TEST_F(JobSettingsTest, APresetOfTheCommandLineThatReplacesNumbersOfTheJobIsAWar
   };
   EXPECT_FALSE(told({}));
   EXPECT_TRUE(told({"--preset", "copy70"}));
+  EXPECT_FALSE(told({"--preset", "copy70", "--set", "apex_scatter=0.003"}));
 }
 
 TEST_F(JobSettingsTest, TheTemplateHasTheNumbersOfThePreset) {

@@ -19,6 +19,7 @@ struct Moved {
     shot.sheet_name = "paper";
     shot.pattern.outline = {{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}};
     plan.shots = {shot};
+    plan.animation.first_frame = 1;
     for (std::size_t k = 0; k < ways.size(); ++k) {
       FrameRecord record;
       record.frame = static_cast<int>(k) + 1;
@@ -90,6 +91,10 @@ TEST(LeapsTest, TheSentenceNamesTheLongest) {
   Moved bent({0, 0.03, 1e-4, 1e-4});
   EXPECT_NE(describe(find_leaps(bent.frames, bent.plan)).find("Model it as it lies at rest"),
             std::string::npos);
+  for (FrameRecord& f : bent.frames) f.frame += 9;
+  EXPECT_EQ(describe(find_leaps(bent.frames, bent.plan)).find("Model it"), std::string::npos)
+      << "the frames that are written begin later";
+  for (FrameRecord& f : bent.frames) f.frame -= 9;
   for (FrameRecord& f : bent.frames) f.statistics.driven = 0.001;
   EXPECT_NE(describe(find_leaps(bent.frames, bent.plan)).find("or slower keys"), std::string::npos)
       << "handles that begin fast may be what throws it";
