@@ -20,6 +20,11 @@ Points3 MeshTransfer::operator()(const Points3& per_vertex) const {
 
 Sheet on_other_mesh(const Sheet& sheet, Points2 pattern, Triangles triangles) {
   const MeshTransfer onto(sheet.pattern, sheet.triangles, pattern);
+  return on_other_mesh(sheet, std::move(pattern), std::move(triangles), onto);
+}
+
+Sheet on_other_mesh(const Sheet& sheet, Points2 pattern, Triangles triangles,
+                    const MeshTransfer& onto) {
   Sheet other;
   other.x = onto(sheet.x);
   other.v = onto(sheet.v);

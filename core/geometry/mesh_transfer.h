@@ -21,5 +21,8 @@ class MeshTransfer {
 /// points and prescribed creases belong to the paper and stay as they are. Points and creases that
 /// are to be vertices and edges must be so in the mesh that is given.
 Sheet on_other_mesh(const Sheet&, Points2 pattern, Triangles);
+/// The same where what carries the values is there already.
+/// onto  from the mesh of the sheet to `pattern`
+Sheet on_other_mesh(const Sheet&, Points2 pattern, Triangles, const MeshTransfer& onto);
 
 }  // namespace paperbake

@@ -104,8 +104,8 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
     when_.on_proposal_result(false, now);
     return std::nullopt;
   }
-  Sheet proposal = on_other_mesh(sheet, std::move(mesh->pattern), std::move(mesh->triangles));
-  const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern);
+  const MeshTransfer onto(sheet.pattern, sheet.triangles, mesh->pattern);
+  Sheet proposal = on_other_mesh(sheet, std::move(mesh->pattern), std::move(mesh->triangles), onto);
   flip_towards_rulings(proposal, onto(curvature), options_.flip_gain);
   return proposal;
 }
