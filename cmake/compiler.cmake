@@ -23,8 +23,8 @@ if(PAPERBAKE_CPU AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=${PAPERBAKE_CPU})
 endif()
 
-# paperbake_not_hot(TARGET): -O1, which compiles in two thirds of the time, for code in which a bake
-# spends next to none of its own
+# paperbake_not_hot(TARGET): -O1, which compiles in two thirds of the time, for tests and for code
+# in which a bake spends next to none of its time
 function(paperbake_not_hot target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
