@@ -3,6 +3,7 @@
 #include "core/animation/imperfection.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/proximity.h"
 #include "core/model/formatted.h"
 
 #include <algorithm>
@@ -40,12 +41,10 @@ constexpr double max_squeeze = 0.3 * collider_dhat;
 /// Whether a collider comes within `reach` [m] of a sheet on its way.
 bool comes_near(const Sheet& sheet, const Collider& from, const Collider& to, double reach) {
   const Eigen::AlignedBox3d swept = box_of(from.mesh().x).merged(box_of(to.mesh().x));
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    Eigen::AlignedBox3d triangle;
-    for (int i = 0; i < 3; ++i)
-      triangle.extend(Vector3d(sheet.x.row(sheet.triangles(t, i)).transpose()));
-    if (triangle.squaredExteriorDistance(swept) <= reach * reach) return true;
-  }
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    if (box_of(corners_of(sheet.x, sheet.triangles, t)).squaredExteriorDistance(swept) <=
+        reach * reach)
+      return true;
   return false;
 }
 

@@ -1,6 +1,7 @@
 #include "core/geometry/proximity.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace paperbake {
 namespace {
@@ -72,12 +73,42 @@ ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& x) {
   return with_weights(x, {1 - s, s, t - 1, -t});
 }
 
-bool pierces(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>& t) {
+TriangleCorners corners_of(const Points3& x, const Triangles& triangles, int t) {
+  return {x.row(triangles(t, 0)).transpose(), x.row(triangles(t, 1)).transpose(),
+          x.row(triangles(t, 2)).transpose()};
+}
+
+double feature_distance(const TriangleCorners& p, const TriangleCorners& q) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(),
+                      vertex_to_triangle({q[i], p[0], p[1], p[2]}).distance()});
+    for (int j = 0; j < 3; ++j)
+      least =
+          std::min(least, edge_to_edge({p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]}).distance());
+  }
+  return least;
+}
+
+bool pierces(const Vector3d& p, const Vector3d& q, const TriangleCorners& t) {
   const double above = volume6(t[0], t[1], t[2], p), below = volume6(t[0], t[1], t[2], q);
   if (above == 0 || below == 0 || same_sign(above, below)) return false;
   const double s0 = volume6(p, q, t[0], t[1]), s1 = volume6(p, q, t[1], t[2]),
                s2 = volume6(p, q, t[2], t[0]);
   return same_sign(s0, s1) && same_sign(s1, s2);
+}
+
+bool pierce_each_other(const Points3& x, const Triangles& triangles, int s, int t) {
+  const auto has = [&](int a, int v) { return (triangles.row(a).array() == v).any(); };
+  const auto passes_through = [&](int a, int b) {
+    const TriangleCorners p = corners_of(x, triangles, a), q = corners_of(x, triangles, b);
+    for (int i = 0; i < 3; ++i)
+      if (const int j = (i + 1) % 3;
+          !has(b, triangles(a, i)) && !has(b, triangles(a, j)) && pierces(p[i], p[j], q))
+        return true;
+    return false;
+  };
+  return passes_through(s, t) || passes_through(t, s);
 }
 
 bool tetrahedron_is_empty(const Sheet& sheet, const std::array<int, 4>& vertices,
@@ -98,8 +129,7 @@ bool tetrahedron_is_empty(const Sheet& sheet, const std::array<int, 4>& vertices
            same_sign(volume6(c[0], c[1], c[2], p), whole);
   };
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    std::array<Vector3d, 3> x;
-    for (int i = 0; i < 3; ++i) x[i] = sheet.x.row(sheet.triangles(t, i));
+    const TriangleCorners x = corners_of(sheet.x, sheet.triangles, t);
     const Vector3d t_low = x[0].cwiseMin(x[1]).cwiseMin(x[2]),
                    t_high = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
     if ((t_low.array() > high.array()).any() || (t_high.array() < low.array()).any()) continue;

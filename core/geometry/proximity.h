@@ -23,8 +23,18 @@ ClosestPoints vertex_to_triangle(const std::array<Vector3d, 4>& corners);
 /// Edge 0-1 against edge 2-3; either may have zero length. source [Ericson 2005], 5.1.9
 ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& corners);
 
+using TriangleCorners = std::array<Vector3d, 3>;  // [m]
+TriangleCorners corners_of(const Points3& x, const Triangles&, int triangle);
+
+/// [m] The least distance of a feature of one triangle from one of the other, also where they
+/// intersect.
+double feature_distance(const TriangleCorners&, const TriangleCorners&);
+
 /// True when the edge p-q passes through the interior of the triangle. Touching does not count.
-bool pierces(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>& triangle);
+bool pierces(const Vector3d& p, const Vector3d& q, const TriangleCorners&);
+/// True when an edge of triangle s or t of a mesh passes through the interior of the other one.
+/// Edges that begin or end at a common corner do not count.
+bool pierce_each_other(const Points3& x, const Triangles&, int s, int t);
 
 /// Tests whether part of a sheet may change its shape without passing through the rest of it. The
 /// volume swept by an edge flip, or by a vertex that moves, consists of tetrahedra; this tests one.

@@ -1,54 +1,23 @@
 #include "core/geometry/sheet_distance.h"
 
 #include "core/geometry/box_of.h"
+#include "core/geometry/box_tree.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/proximity.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <vector>
 
 namespace paperbake {
 namespace {
 
-struct Boxed {
-  Eigen::AlignedBox3d box;
-  int triangle;
-};
-
-/// Triangles whose boxes reach into `part`, sorted by their lower end along x.
-std::vector<Boxed> boxes_in(const Sheet& sheet, const Eigen::AlignedBox3d& part) {
-  std::vector<Boxed> boxes;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    Eigen::AlignedBox3d box;
-    for (int i = 0; i < 3; ++i) box.extend(Vector3d(sheet.x.row(sheet.triangles(t, i))));
-    if (box.intersects(part)) boxes.push_back({box, t});
-  }
-  const auto place = [](const Boxed& b) { return std::make_pair(b.box.min().x(), b.triangle); };
-  std::sort(boxes.begin(), boxes.end(),
-            [&](const Boxed& a, const Boxed& b) { return place(a) < place(b); });
-  return boxes;
-}
-
 double distance_of(const Sheet& a, int s, const Sheet& b, int t) {
-  std::array<Vector3d, 3> p, q;
-  for (int i = 0; i < 3; ++i) {
-    p[i] = a.x.row(a.triangles(s, i));
-    q[i] = b.x.row(b.triangles(t, i));
-  }
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(),
-                      vertex_to_triangle({q[i], p[0], p[1], p[2]}).distance()});
+  const TriangleCorners p = corners_of(a.x, a.triangles, s), q = corners_of(b.x, b.triangles, t);
+  for (int i = 0; i < 3; ++i)
     if (pierces(p[i], p[(i + 1) % 3], q) || pierces(q[i], q[(i + 1) % 3], p)) return 0;
-    for (int j = 0; j < 3; ++j)
-      least =
-          std::min(least, edge_to_edge({p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]}).distance());
-  }
-  return least;
+  return feature_distance(p, q);
 }
 
 }  // namespace
@@ -56,19 +25,24 @@ double distance_of(const Sheet& a, int s, const Sheet& b, int t) {
 /// Calls visit(triangle of a, triangle of b) for all pairs whose boxes are closer than `within`.
 template <class Visit>
 static void for_each_near(const Sheet& a, const Sheet& b, const double& within, Visit visit) {
-  if (!grown(box_of(a.x), within).intersects(box_of(b.x))) return;
-  const std::vector<Boxed> of_a = boxes_in(a, grown(box_of(b.x), within)),
-                           of_b = boxes_in(b, grown(box_of(a.x), within));
-  double widest = 0;
-  for (const Boxed& other : of_b) widest = std::max(widest, other.box.sizes().x());
-  for (const Boxed& one : of_a) {
-    const auto lower = [](const Boxed& other, double x) { return other.box.min().x() < x; };
-    const auto first =
-        std::lower_bound(of_b.begin(), of_b.end(), one.box.min().x() - widest - within, lower);
-    for (auto other = first;
-         other != of_b.end() && other->box.min().x() <= one.box.max().x() + within; ++other)
-      if (one.box.squaredExteriorDistance(other->box) < within * within)
-        visit(one.triangle, other->triangle);
+  const Eigen::AlignedBox3d near_a = grown(box_of(a.x), within),
+                            near_b = grown(box_of(b.x), within);
+  if (!near_a.intersects(box_of(b.x))) return;
+  std::vector<int> of_b;  // triangles that reach near a
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (int t = 0; t < b.triangles.rows(); ++t)
+    if (const auto box = box_of(corners_of(b.x, b.triangles, t)); box.intersects(near_a)) {
+      of_b.push_back(t);
+      boxes.push_back(box);
+    }
+  BoxTree tree;
+  tree.build(boxes);
+  for (int s = 0; s < a.triangles.rows(); ++s) {
+    const auto box = box_of(corners_of(a.x, a.triangles, s));
+    if (!box.intersects(near_b)) continue;
+    tree.visit(grown(box, within), [&](int k) {
+      if (box.squaredExteriorDistance(boxes[k]) < within * within) visit(s, of_b[k]);
+    });
   }
 }
 

@@ -6,8 +6,6 @@
 #include "core/geometry/swept_box_pairs.h"
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <set>
 
 namespace paperbake {
@@ -17,48 +15,20 @@ constexpr int rounds = 60;
 constexpr double more = 0.125;  // [1] by how much blend rises in a round
 constexpr double radius = 8;    // [edges] R
 
-using Corners = std::array<Vector3d, 3>;
-
-Corners corners_of(const Points3& x, const Triangles& triangles, int t) {
-  return {x.row(triangles(t, 0)).transpose(), x.row(triangles(t, 1)).transpose(),
-          x.row(triangles(t, 2)).transpose()};
-}
-
 /// True if all corners of p that do not lie in the plane of q are on one side of it.
-bool beside(const Corners& p, const Corners& q) {
+bool beside(const TriangleCorners& p, const TriangleCorners& q) {
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
   const double a = n.dot(p[0] - q[0]), b = n.dot(p[1] - q[0]), c = n.dot(p[2] - q[0]);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
 bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
-  const Corners p = corners_of(x, triangles, s), q = corners_of(x, triangles, t);
+  const TriangleCorners p = corners_of(x, triangles, s), q = corners_of(x, triangles, t);
   for (int k = 0; k < 3; ++k)
     if (std::max({p[0][k], p[1][k], p[2][k]}) < std::min({q[0][k], q[1][k], q[2][k]}) ||
         std::max({q[0][k], q[1][k], q[2][k]}) < std::min({p[0][k], p[1][k], p[2][k]}))
       return false;
-  if (beside(p, q) || beside(q, p)) return false;
-  const auto has = [&](int a, int v) {
-    return triangles(a, 0) == v || triangles(a, 1) == v || triangles(a, 2) == v;
-  };
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    if (!has(t, triangles(s, i)) && !has(t, triangles(s, j)) && pierces(p[i], p[j], q)) return true;
-    if (!has(s, triangles(t, i)) && !has(s, triangles(t, j)) && pierces(q[i], q[j], p)) return true;
-  }
-  return false;
-}
-
-double distance(const Corners& p, const Corners& q) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(),
-                      vertex_to_triangle({q[i], p[0], p[1], p[2]}).distance()});
-    for (int j = 0; j < 3; ++j)
-      least =
-          std::min(least, edge_to_edge({p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]}).distance());
-  }
-  return least;
+  return !beside(p, q) && !beside(q, p) && pierce_each_other(x, triangles, s, t);
 }
 
 /// The patterns of several meshes in a row, with gaps wider than the patterns. [m]
@@ -102,13 +72,14 @@ bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
   SweptBoxPairs triangles(sheet.triangles);
   for (const auto& [a, b] :
        triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), off.maxCoeff())) {
-    const Corners p = corners_of(sheet.x, sheet.triangles, a),
-                  q = corners_of(sheet.x, sheet.triangles, b);
+    const TriangleCorners p = corners_of(sheet.x, sheet.triangles, a),
+                          q = corners_of(sheet.x, sheet.triangles, b);
     bool neighbours = false;
     for (int i = 0; i < 3; ++i)
       neighbours |= (sheet.triangles.row(b).array() == sheet.triangles(a, i)).any();
     const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]), m = (q[1] - q[0]).cross(q[2] - q[0]);
-    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm() : distance(p, q) < off[a] + off[b])
+    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm()
+                   : feature_distance(p, q) < off[a] + off[b])
       return true;
   }
   return false;
@@ -191,7 +162,7 @@ struct Untangler::Push {
 
 /// Adds the displacements d of all points where the edges of s pass through t.
 void Untangler::push(int s, int t, const Points3& x, const FlatAt& flat_at, Push& push) const {
-  const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
+  const TriangleCorners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, a = triangles_(s, i), b = triangles_(s, j);

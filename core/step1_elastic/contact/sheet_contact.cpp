@@ -248,22 +248,8 @@ bool SheetContact::is_collision_free_between_sheets(const Points3& from, const P
 
 void SheetContact::find_initially_intersecting(const Points3& x) {
   entangled_.clear();
-  for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
-    const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
-    // true if an edge of s that shares no corner with t passes through t
-    const auto through = [&](int s, int t) {
-      for (int i = 0; i < 3; ++i) {
-        const int p = triangles_(s, i), q = triangles_(s, (i + 1) % 3);
-        bool shares = false;
-        for (int j = 0; j < 3; ++j) shares |= triangles_(t, j) == p || triangles_(t, j) == q;
-        if (!shares &&
-            pierces(corner(s, i), corner(s, i + 1), {corner(t, 0), corner(t, 1), corner(t, 2)}))
-          return true;
-      }
-      return false;
-    };
-    if (through(a, b) || through(b, a)) entangled_.emplace_back(a, b);
-  }
+  for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0))
+    if (pierce_each_other(x, triangles_, a, b)) entangled_.emplace_back(a, b);
 }
 
 bool SheetContact::initially_intersecting(const std::array<int, 4>& v, Features features) const {

@@ -227,5 +227,29 @@ TEST(ProximityTest, ATetrahedronIsNotEmptyIfALayerIsCloserToItsLastEdgeThanTheCl
   EXPECT_TRUE(tetrahedron_is_empty(beside, {5, 6, 7, -1}, c, {}, 2 * high));
 }
 
+TEST(ProximityTest, AnEdgeOfEitherTriangleMayPierceTheOther) {
+  Points3 x(7, 3);
+  x << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2, 0.2, -0.1, 0.2, 0.2, 0.3, 5, 5, 0.1, 0.2, 0.2, 0.1;
+  Triangles triangles(5, 3);
+  triangles << 0, 1, 2, 3, 4, 5, 0, 3, 4, 0, 1, 4, 4, 5, 6;
+  const auto pierce = [&](int s, int t) {
+    EXPECT_EQ(pierce_each_other(x, triangles, s, t), pierce_each_other(x, triangles, t, s));
+    return pierce_each_other(x, triangles, s, t);
+  };
+  EXPECT_TRUE(pierce(0, 1));
+  EXPECT_TRUE(pierce(0, 2)) << "though they have a corner in common";
+  EXPECT_FALSE(pierce(0, 3)) << "neighbours";
+  EXPECT_FALSE(pierce(0, 4)) << "above it";
+}
+
+TEST(ProximityTest, TheDistanceOfFeaturesIsTheLeastOfAllPairs) {
+  const TriangleCorners flat{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)},
+      standing{Vector3d(0.2, 0.2, 0.3), Vector3d(0.2, 0.2, 2), Vector3d(2, 2, 2)},
+      beside{Vector3d(2, -1, 0), Vector3d(2, 1, 0), Vector3d(3, 0, 0)};
+  EXPECT_NEAR(feature_distance(flat, standing), 0.3, 1e-14);
+  EXPECT_NEAR(feature_distance(standing, flat), 0.3, 1e-14);
+  EXPECT_NEAR(feature_distance(flat, beside), 1, 1e-14);
+}
+
 }  // namespace
 }  // namespace paperbake
