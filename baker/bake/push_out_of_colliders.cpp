@@ -1,5 +1,6 @@
 #include "baker/bake/push_out_of_colliders.h"
 
+#include "core/geometry/box_of.h"
 #include "core/step1_elastic/elastic.h"
 
 #include <cmath>
@@ -10,10 +11,9 @@ namespace {
 
 /// Whether a collider reaches into the box round the points, or is closer to it than `within` [m].
 bool may_touch(const ColliderShapes& shapes, const Points3& x, double within) {
-  const Vector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
+  const Eigen::AlignedBox3d near = grown(box_of(x), within);
   bool any = false;
-  for (const auto& shape : shapes)
-    shape->near_triangles(low, high, within, [&](int) { any = true; });
+  for (const auto& shape : shapes) shape->triangle_tree().visit(near, [&](int) { any = true; });
   return any;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <utility>
 
 namespace paperbake {
 
@@ -46,23 +45,6 @@ void BoxTree::refit(const std::vector<Eigen::AlignedBox3d>& boxes) {
                                 : nodes_[node->left].box.merged(nodes_[node->right].box);
 }
 
-void BoxTree::visit(const Eigen::AlignedBox3d& box, const std::function<void(int)>& visit) const {
-  if (nodes_.empty()) return;
-  std::array<int, 64> open;
-  int top = 0;
-  open[top++] = 0;
-  while (top > 0) {
-    const Node& node = nodes_[open[--top]];
-    if (!node.box.intersects(box)) continue;
-    if (node.item >= 0)
-      visit(node.item);
-    else {
-      open[top++] = node.right;
-      open[top++] = node.left;
-    }
-  }
-}
-
 bool BoxTree::reaches_above(const Eigen::Vector3d& normal, double level) const {
   if (nodes_.empty()) return false;
   std::array<int, 64> open;
@@ -77,33 +59,6 @@ bool BoxTree::reaches_above(const Eigen::Vector3d& normal, double level) const {
     open[top++] = node.left;
   }
   return false;
-}
-
-void BoxTree::visit_nearest(const Eigen::Vector3d& p, double within,
-                            const std::function<double(int)>& distance) const {
-  if (nodes_.empty()) return;
-  const double rounding = 1e-12 * (1 + p.cwiseAbs().maxCoeff());  // [m] of distances from p
-  struct Open {
-    int node;
-    double distance;
-  };
-  const auto open_node = [&](int k) { return Open{k, nodes_[k].box.exteriorDistance(p)}; };
-  std::array<Open, 64> open;
-  int top = 0;
-  open[top++] = open_node(0);
-  while (top > 0) {
-    const Open next = open[--top];
-    if (next.distance > within + rounding) continue;
-    const Node& node = nodes_[next.node];
-    if (node.item >= 0) {
-      within = std::min(within, distance(node.item));
-      continue;
-    }
-    Open nearer = open_node(node.left), farther = open_node(node.right);
-    if (farther.distance < nearer.distance) std::swap(nearer, farther);
-    open[top++] = farther;
-    open[top++] = nearer;
-  }
 }
 
 }  // namespace paperbake

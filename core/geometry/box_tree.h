@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 
-#include <functional>
+#include <algorithm>
+#include <array>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -16,7 +18,8 @@ class BoxTree {
   /// Moves the items, as many as before, without another division into halves.
   void refit(const std::vector<Eigen::AlignedBox3d>& boxes);
   /// Calls the visitor with the number of every item whose box meets this one.
-  void visit(const Eigen::AlignedBox3d&, const std::function<void(int)>&) const;
+  template <class Visit>
+  void visit(const Eigen::AlignedBox3d&, Visit visit) const;
   /// Whether the box of some item reaches above a plane: has a point with normal . point > level.
   bool reaches_above(const Eigen::Vector3d& normal, double level) const;
   /// Finds the item nearest to p: calls `distance` with the number of an item wherever its box is
@@ -24,8 +27,8 @@ class BoxTree {
   /// is that of the tree: of items at equal distances, which is the nearest is up to the caller.
   /// within    [m]
   /// distance  [m] of an item from p
-  void visit_nearest(const Eigen::Vector3d& p, double within,
-                     const std::function<double(int)>& distance) const;
+  template <class Distance>
+  void visit_nearest(const Eigen::Vector3d& p, double within, Distance distance) const;
 
  private:
   struct Node {
@@ -36,5 +39,50 @@ class BoxTree {
             const std::vector<Eigen::AlignedBox3d>& boxes);
   std::vector<Node> nodes_;
 };
+
+template <class Visit>
+void BoxTree::visit(const Eigen::AlignedBox3d& box, Visit visit) const {
+  if (nodes_.empty()) return;
+  std::array<int, 64> open;
+  int top = 0;
+  open[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[open[--top]];
+    if (!node.box.intersects(box)) continue;
+    if (node.item >= 0)
+      visit(node.item);
+    else {
+      open[top++] = node.right;
+      open[top++] = node.left;
+    }
+  }
+}
+
+template <class Distance>
+void BoxTree::visit_nearest(const Eigen::Vector3d& p, double within, Distance distance) const {
+  if (nodes_.empty()) return;
+  const double rounding = 1e-12 * (1 + p.cwiseAbs().maxCoeff());  // [m] of distances from p
+  struct Open {
+    int node;
+    double distance;
+  };
+  const auto open_node = [&](int k) { return Open{k, nodes_[k].box.exteriorDistance(p)}; };
+  std::array<Open, 64> open;
+  int top = 0;
+  open[top++] = open_node(0);
+  while (top > 0) {
+    const Open next = open[--top];
+    if (next.distance > within + rounding) continue;
+    const Node& node = nodes_[next.node];
+    if (node.item >= 0) {
+      within = std::min(within, distance(node.item));
+      continue;
+    }
+    Open nearer = open_node(node.left), farther = open_node(node.right);
+    if (farther.distance < nearer.distance) std::swap(nearer, farther);
+    open[top++] = farther;
+    open[top++] = nearer;
+  }
+}
 
 }  // namespace paperbake

@@ -1,6 +1,5 @@
 #include "core/geometry/collider.h"
 
-#include "core/geometry/box_of.h"
 #include "core/geometry/connected_parts.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_edges.h"
@@ -220,19 +219,6 @@ void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sha
   }
 }
 
-void Collider::near_triangles(const Vector3d& low, const Vector3d& high, double within,
-                              const std::function<void(int)>& visit) const {
-  triangle_tree_.visit(grown({low, high}, within), visit);
-}
-void Collider::near_edges(const Vector3d& low, const Vector3d& high, double within,
-                          const std::function<void(int)>& visit) const {
-  edge_tree_.visit(grown({low, high}, within), visit);
-}
-void Collider::near_corners(const Vector3d& low, const Vector3d& high, double within,
-                            const std::function<void(int)>& visit) const {
-  corner_tree_.visit(grown({low, high}, within), visit);
-}
-
 Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
   const std::array<int, 3> v{mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)};
   const ClosestPoints near =
@@ -322,7 +308,7 @@ int Collider::passes_through(const Vector3d& p, const Vector3d& q) const {
   constexpr double rounding = 1e-9;  // [m] edges belong to both triangles
   double first = 2;                  // [1] of the way
   int side = 0;
-  near_triangles(p.cwiseMin(q), p.cwiseMax(q), 0, [&](int t) {
+  triangle_tree_.visit(Eigen::AlignedBox3d(p).extend(q), [&](int t) {
     const Vector3d a = row(mesh_.x, mesh_.triangles(t, 0)), normal = row(face_normal_, t);
     const double before = normal.dot(p - a), after = normal.dot(q - a);
     if ((before < 0) == (after < 0)) return;

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -103,16 +102,10 @@ class Collider {
   const std::vector<Edge>& edges() const { return edges_; }
   const std::vector<Corner>& corners() const { return corners_; }
 
-  /// Calls the visitor with the number of every triangle that may be closer than `within` [m] to
-  /// the axis-aligned box from `low` to `high` [m].
-  void near_triangles(const Vector3d& low, const Vector3d& high, double within,
-                      const std::function<void(int)>&) const;
-  /// The same for edges(), with indices into them.
-  void near_edges(const Vector3d& low, const Vector3d& high, double within,
-                  const std::function<void(int)>&) const;
-  /// The same for corners(), with indices into them.
-  void near_corners(const Vector3d& low, const Vector3d& high, double within,
-                    const std::function<void(int)>&) const;
+  /// Boxes around the triangles, around edges() and around corners(). [m]
+  const BoxTree& triangle_tree() const { return triangle_tree_; }
+  const BoxTree& edge_tree() const { return edge_tree_; }
+  const BoxTree& corner_tree() const { return corner_tree_; }
 
   /// The points of these triangles that are closest to p. The first is the closest of all, with
   /// signed distance. After it come those that have p in front of them in other directions (by 30

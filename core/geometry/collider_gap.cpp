@@ -1,5 +1,7 @@
 #include "core/geometry/collider_gap.h"
 
+#include "core/geometry/box_of.h"
+
 #include <algorithm>
 #include <vector>
 
@@ -12,7 +14,8 @@ std::optional<ColliderGap> gap_around(const ColliderShapes& colliders, const Vec
   std::vector<SurfacePoint> faces;
   for (const auto& collider : colliders) {
     std::vector<int> triangles;
-    collider->near_triangles(p, p, widest, [&](int t) { triangles.push_back(t); });
+    collider->triangle_tree().visit(grown(Eigen::AlignedBox3d(p), widest),
+                                    [&](int t) { triangles.push_back(t); });
     std::sort(triangles.begin(), triangles.end());
     for (const SurfacePoint& face : collider->nearest(p, triangles, front)) faces.push_back(face);
   }

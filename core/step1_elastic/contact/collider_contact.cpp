@@ -1,8 +1,8 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 
+#include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_edges.h"
-#include "core/geometry/proximity.h"
 #include "core/step1_elastic/contact/friction.h"
 
 #include <algorithm>
@@ -34,18 +34,17 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
   }
 }
 
+TriangleCorners ColliderContact::corners_of(const SheetFeature& feature, const Points3& x) {
+  TriangleCorners p;
+  for (int i = 0; i < 3; ++i) p[i] = row(x, feature.vertices[i < feature.corners ? i : 0]);
+  return p;
+}
+
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
   const Collider& collider = this->collider(c);
-  const Points3& x = states_[c].reference;
-  TriangleCorners p;
-  p.fill(row(x, feature.vertices[0]));
-  for (int i = 1; i < feature.corners; ++i) p[i] = row(x, feature.vertices[i]);
-  Vector3d low = p[0], high = p[0];
-  for (int i = 1; i < feature.corners; ++i) {
-    low = low.cwiseMin(p[i]);
-    high = high.cwiseMax(p[i]);
-  }
+  const TriangleCorners p = corners_of(feature, states_[c].reference);
   const double within = std::max(collider_dhat, collider.depth()) + tube;
+  const Eigen::AlignedBox3d near = grown(box_of(p), within);
   const Points3& z = collider.mesh().x;
   feature.near.clear();
   feature.is_close = false;
@@ -53,14 +52,14 @@ void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) cons
     feature.is_close = true;
     if (distance <= within) feature.near.push_back(k);
   };
-  if (feature.corners == 1) collider.near_triangles(low, high, within, [&](int k) { add(k, 0); });
+  if (feature.corners == 1) collider.triangle_tree().visit(near, [&](int k) { add(k, 0); });
   if (feature.corners == 2)
-    collider.near_edges(low, high, within, [&](int k) {
+    collider.edge_tree().visit(near, [&](int k) {
       const Collider::Edge& edge = collider.edges()[k];
       add(k, edge_to_edge({p[0], p[1], row(z, edge.a), row(z, edge.b)}).distance());
     });
   if (feature.corners == 3)
-    collider.near_corners(low, high, within, [&](int k) {
+    collider.corner_tree().visit(near, [&](int k) {
       const Vector3d corner = row(z, collider.corners()[k].vertex);
       add(k, vertex_to_triangle({corner, p[0], p[1], p[2]}).distance());
     });

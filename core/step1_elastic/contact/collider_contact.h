@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider_motion.h"
+#include "core/geometry/proximity.h"
 #include "core/linear_algebra/block_cholesky.h"
 #include "core/step1_elastic/contact/collider_barrier.h"
 #include "core/step1_elastic/contact/friction_history.h"
@@ -82,6 +83,8 @@ class ColliderContact {
     // a box round the feature met some, whether they are that near or not: it may meet them soon
     bool is_close = false;
   };
+  /// [m] of a feature; in place of those that a vertex or an edge lacks, the first one
+  static TriangleCorners corners_of(const SheetFeature&, const Points3& x);
   struct ContactPoint {
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
@@ -136,7 +139,6 @@ class ColliderContact {
   void touches_of(std::size_t c, const SheetFeature&, const Points3& y, Visit) const;
   class NearTest;
   using EdgeEnds = std::array<Vector3d, 2>;
-  using TriangleCorners = std::array<Vector3d, 3>;
   FeaturePair edge_pair(const Collider&, const EdgeEnds&, int k, int behind) const;
   FeaturePair corner_pair(const Collider&, const TriangleCorners&, int k, int behind) const;
   static bool is_in_front(const Collider&, const SheetFeature&, const FeaturePair&,

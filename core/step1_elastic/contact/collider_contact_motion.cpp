@@ -1,6 +1,6 @@
 // Where colliders let a sheet go, and where they take it.
 
-#include "core/geometry/proximity.h"
+#include "core/geometry/box_of.h"
 #include "core/step1_elastic/contact/additive_ccd.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 
@@ -31,21 +31,16 @@ void ColliderContact::find_swept_vertices(std::size_t c) {
   const Points3& y = from.mesh().x;
   for (const SheetFeature& feature : a.features) {
     if (feature.corners == 1) continue;
-    std::array<Vector3d, 3> p;
-    for (int i = 0; i < feature.corners; ++i) p[i] = row(start_, feature.vertices[i]);
-    Vector3d low = p[0], high = p[0];
-    for (int i = 1; i < feature.corners; ++i) {
-      low = low.cwiseMin(p[i]);
-      high = high.cwiseMax(p[i]);
-    }
+    const TriangleCorners p = corners_of(feature, start_);
+    const Eigen::AlignedBox3d near = grown(box_of(p), reach);
     bool meets = false;
     if (feature.corners == 2)
-      from.near_edges(low, high, reach, [&](int k) {
+      from.edge_tree().visit(near, [&](int k) {
         const Collider::Edge& edge = from.edges()[k];
         meets |= edge_to_edge({p[0], p[1], row(y, edge.a), row(y, edge.b)}).distance() < reach;
       });
     else
-      from.near_corners(low, high, reach, [&](int k) {
+      from.corner_tree().visit(near, [&](int k) {
         const Vector3d corner = row(y, from.corners()[k].vertex);
         meets |= vertex_to_triangle({corner, p[0], p[1], p[2]}).distance() < reach;
       });
@@ -151,12 +146,10 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
                                               double share) const {
   const Collider& collider = this->collider(c);
   double fastest = 0;
-  Vector3d low = row(y, feature.vertices[0]), high = low;
+  Eigen::AlignedBox3d swept;
   for (int i = 0; i < feature.corners; ++i) {
-    const Vector3d p = row(y, feature.vertices[i]),
-                   q = p + share * row(motion, feature.vertices[i]);
-    low = low.cwiseMin(p).cwiseMin(q);
-    high = high.cwiseMax(p).cwiseMax(q);
+    const Vector3d p = row(y, feature.vertices[i]);
+    swept.extend(p).extend(p + share * row(motion, feature.vertices[i]));
     fastest = std::max(fastest, share * motion.row(feature.vertices[i]).norm());
   }
   if (!feature.is_close && fastest < tube) return share;
@@ -185,9 +178,9 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     if (free < 1 && free > 0) share *= free;
   };
   if (feature.corners == 2)
-    collider.near_edges(low, high, 0, meet);
+    collider.edge_tree().visit(swept, meet);
   else
-    collider.near_corners(low, high, 0, meet);
+    collider.corner_tree().visit(swept, meet);
   return share;
 }
 
