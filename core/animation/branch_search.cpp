@@ -1,6 +1,7 @@
 #include "core/animation/branch_search.h"
 
 #include "core/animation/imperfection.h"
+#include "core/animation/snapshot.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/random.h"
@@ -36,8 +37,7 @@ double least_step(const ElasticReport& here, const Elastic& elastic) {
 
 /// The search for a sheet that touches itself.
 BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt) {
-  const Sheet sheet_before = sheet;
-  const SolverState state = elastic.state();
+  const Snapshot before(sheet, elastic);
   const ElasticReport here = elastic.evaluate_energies(sheet);
   ElasticReport there = here;
   there.converged = false;
@@ -47,11 +47,10 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, doub
   found.before = here.potential;
   found.after = there.potential;
   found.finished = there.potential < here.potential - least_step(here, elastic) &&
-                   crossings(sheet) <= crossings(sheet_before);
+                   crossings(sheet) <= crossings(before.sheet);
   if (found.finished) return found;
   found.after = found.before;
-  sheet = sheet_before;
-  elastic.restore(state);
+  before.restore(sheet, elastic);
   return found;
 }
 
@@ -70,9 +69,9 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
                             const BranchSearchOptions& options) {
   const double dt = options.dt;
   const double side = longer_side(sheet.pattern);
-  const SolverState as_it_was = elastic.state();
-  if (as_it_was.had_contact) return finish(sheet, elastic, input, dt);
-  SolverState no_past = as_it_was;
+  const Snapshot as_it_was(sheet, elastic);
+  if (as_it_was.state.had_contact) return finish(sheet, elastic, input, dt);
+  SolverState no_past = as_it_was.state;
   no_past.positions.clear();
   no_past.second.reset();
   elastic.restore(no_past);
@@ -107,10 +106,9 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
         lowest = std::move(other);
       }
     }
-  elastic.restore(as_it_was);
+  elastic.restore(as_it_was.state);
   if (!found.taken) return found;
 
-  const Sheet before = sheet;
   elastic.restore(no_past);
   sheet.x = lowest.x;
   const ElasticReport has_arrived = elastic.step(sheet, input, dt);
@@ -119,8 +117,7 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
     found.equal = false;
     return found;
   }
-  elastic.restore(as_it_was);
-  sheet = before;
+  as_it_was.restore(sheet, elastic);
   found.taken = false;
   return found;
 }

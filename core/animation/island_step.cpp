@@ -110,7 +110,7 @@ bool SheetSimulation::IslandStep::settle() {
     return most;
   };
   const double before = stretch();
-  std::vector<SimulatedSheet::Snapshot> jammed;
+  std::vector<SimulatedSheet::MeshSnapshot> jammed;
   std::vector<DrivenSheet> targets;
   for (SheetSimulation* a : sheets_) {
     jammed.push_back(a->simulated_.snapshot());
@@ -127,7 +127,7 @@ bool SheetSimulation::IslandStep::settle() {
   });
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
     if (crushed || after > before) {
-      sheets_[k]->restore(std::move(jammed[k]));
+      sheets_[k]->restore(jammed[k]);
       continue;
     }
     sheets_[k]->now_.last_remesh.reset();  // the sheet has moved on since then

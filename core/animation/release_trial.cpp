@@ -26,11 +26,11 @@ void ReleaseTrial::begin(SimulatedSheet& simulated, LetGo let_go) {
 
 /// The swing about the equilibrium that the step on trial leads to. On the way down from an
 /// unstable shape that takes several steps, which leave no trace.
-Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snapshot& start,
+Swing ReleaseTrial::swing(SimulatedSheet& simulated, const Snapshot& start,
                           const FrameStepResult& step, const StepInput& at) const {
   constexpr int max_steps = 32;  // small stiff sheets snap several times on their way
   Sheet& sheet = simulated.sheet;
-  const SimulatedSheet::Snapshot now = simulated.snapshot();
+  const Snapshot now(sheet, simulated.elastic);
   ElasticReport last = step.last;
   // a step that has converged may still end far from equilibrium, because a share of the mass holds
   // the sheet back (SheetPotential)
@@ -48,15 +48,14 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
     }
   Swing swing = swing_to(sheet, start.sheet.x, vertices_of(at.constraints),
                          potential_at_start_ - last.potential, simulated.shot.paper.area_density);
-  sheet = now.sheet;
-  simulated.elastic.restore(now.state);
+  now.restore(sheet, simulated.elastic);
   // on the first part of its way a sheet frees its energy faster: it may be a slow swing
   if (!arrived) swing.rate = std::min(swing.rate, 0.5 * fastest_swing);
   return swing;
 }
 
 std::optional<double> ReleaseTrial::potential_before_drop(SimulatedSheet& simulated,
-                                                          const SimulatedSheet::Snapshot& start,
+                                                          const Snapshot& start,
                                                           const FrameStepResult& step,
                                                           const FastestDrive& drive) const {
   const double dt = 1 / fps_, moved = max_row_norm(simulated.sheet.x - start.sheet.x);
@@ -82,7 +81,7 @@ std::string ReleaseTrial::note_of(const Swing& swing) const {
                    1e3 * swing.amplitude);
 }
 
-ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
+ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, Snapshot& start,
                                         const FrameStepResult& step, const StepInput& at,
                                         const FastestDrive& drive) {
   if (!is_on_) return {};

@@ -42,8 +42,8 @@ class ReleaseTrial {
   /// start          where the step began. A sheet that was at equilibrium gets no more velocity
   ///                there than the fastest drive of the frame before.
   /// at             the input of this frame, with the colliders standing still
-  Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
-              const StepInput& at, const FastestDrive&);
+  Verdict end(SimulatedSheet&, Snapshot& start, const FrameStepResult&, const StepInput& at,
+              const FastestDrive&);
 
   /// Gives the sheet the inertia that it has because it was let go.
   void give_inertia(SimulatedSheet&) const;
@@ -56,12 +56,11 @@ class ReleaseTrial {
   void archive(Serializer&);
 
  private:
-  Swing swing(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
+  Swing swing(SimulatedSheet&, const Snapshot& start, const FrameStepResult&,
               const StepInput& at) const;
   /// The potential [J] at the start of the step on trial, if it moves the sheet farther than it can
   /// fall in a frame, and its weight frees more energy in that than the paper does.
-  std::optional<double> potential_before_drop(SimulatedSheet&,
-                                              const SimulatedSheet::Snapshot& start,
+  std::optional<double> potential_before_drop(SimulatedSheet&, const Snapshot& start,
                                               const FrameStepResult&, const FastestDrive&) const;
   std::string note_of(const Swing&) const;
 

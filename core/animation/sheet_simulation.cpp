@@ -268,7 +268,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   simulated_.positions_before = sheet.x;
   // the frame begins where it is, also on the mesh that it may have to go back to
   if (now_.last_remesh) {
-    SimulatedSheet::Snapshot& before = now_.last_remesh->before;
+    SimulatedSheet::MeshSnapshot& before = now_.last_remesh->before;
     before.positions_before = before.sheet.x;
   }
   now_.is_sleeping = comes_to_rest();
@@ -288,9 +288,9 @@ bool SheetSimulation::comes_to_rest() const {
          options_.elastic.air.winds.empty();
 }
 
-void SheetSimulation::restore(SimulatedSheet::Snapshot&& back) {
+void SheetSimulation::restore(const SimulatedSheet::MeshSnapshot& back) {
   carried_.forget();
-  simulated_.restore(std::move(back));
+  simulated_.restore(back);
 }
 
 void SheetSimulation::skip_step() {
@@ -375,12 +375,12 @@ void SheetSimulation::check_mesh() {
 }
 
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
-  SimulatedSheet::Snapshot as_it_was = simulated_.snapshot();
+  const SimulatedSheet::MeshSnapshot as_it_was = simulated_.snapshot();
   const BranchSearch found = probe_branches(simulated_.sheet, simulated_.elastic, resting_input_,
                                             {1 / options_.fps, options_.seed, frame_});
   if (found.taken || found.finished) {
     if (!is_admissible(as_it_was.sheet, sheet(), max_row_norm(sheet().x - as_it_was.sheet.x)))
-      return restore(std::move(as_it_was));
+      return restore(as_it_was);
     const ElasticReport stored = simulated_.elastic.evaluate_energies(sheet());
     now_.step.last.energy = stored.energy;
     now_.step.last.membrane = stored.membrane;

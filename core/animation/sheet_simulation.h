@@ -111,7 +111,7 @@ class SheetSimulation {
   };
   /// The last change of mesh, as long as it can be undone.
   struct LastRemesh {
-    SimulatedSheet::Snapshot before;
+    SimulatedSheet::MeshSnapshot before;
     bool was_at_minimum;  // the sheet, before it
     bool vertices_moved;  // on the pattern
   };
@@ -135,9 +135,9 @@ class SheetSimulation {
     int load_parts = 1;          // number of parts in which the step is taken
     std::size_t singular_before = 0;
     bool is_idle = false, is_sleeping = false;
-    std::optional<LastRemesh> last_remesh;               // none that could be undone
-    std::optional<SimulatedSheet::Snapshot> step_start;  // none that can be gone back to
-    std::optional<FrameStart> frame_start;               // none: step_start is where it began
+    std::optional<LastRemesh> last_remesh;  // none that could be undone
+    std::optional<Snapshot> step_start;     // none that can be gone back to
+    std::optional<FrameStart> frame_start;  // none: step_start is where it began
     Trajectory trajectory;
     std::vector<TrajectoryPoint> path_of_step;  // that is being taken
     FrameStepResult step;
@@ -147,7 +147,7 @@ class SheetSimulation {
   void archive(Serializer&);
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
-  void restore(SimulatedSheet::Snapshot&&);
+  void restore(const SimulatedSheet::MeshSnapshot&);
   /// Leaves the sheet where it is.
   void skip_step();
   /// What the method is told before part of a frame. share: [1] of the frame
@@ -221,14 +221,14 @@ class SheetSimulation {
   /// Goes back to the start of the step, on a finer mesh. Where its edges cut into a collider,
   /// because those of the mesh before it went round the collider elsewhere, it is pushed out.
   /// returns  false if there is no finer mesh, or if it cannot be pushed out: the step stays
-  bool go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start, const AdmissibilityCheck&);
+  bool go_back_on_finer_mesh(const SimulatedSheet::MeshSnapshot& start, const AdmissibilityCheck&);
   /// Pushes the sheet out of the colliders where they are as the step begins.
   /// returns  whether it is outside, and does not pass through anything else
   bool leave_colliders(const AdmissibilityCheck&);
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none; the
   /// meshes of a shot that has begun get no more than doublings_to_bend
   /// doublings  of the number of triangles, at most
-  bool refine_mesh(SimulatedSheet::Snapshot&& start, int doublings);
+  bool refine_mesh(const SimulatedSheet::MeshSnapshot& start, int doublings);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();

@@ -48,7 +48,7 @@ bool SheetSimulation::change_mesh(const RemeshContext& context,
   now_.last_remesh.reset();
   const MeshChange change = method_->remesh(sheet, context);
   if (change == MeshChange::none) return false;
-  SimulatedSheet::Snapshot before = simulated_.snapshot();
+  SimulatedSheet::MeshSnapshot before = simulated_.snapshot();
   before.sheet = std::move(unchanged);
   now_.last_remesh = {std::move(before), outcome_.at_minimum, change == MeshChange::moved};
   if (now_.last_remesh->vertices_moved)
@@ -63,7 +63,7 @@ bool SheetSimulation::change_mesh(const RemeshContext& context,
 }
 
 void SheetSimulation::undo_remesh() {
-  restore(std::move(now_.last_remesh->before));
+  restore(now_.last_remesh->before);
   now_.last_remesh.reset();
 }
 
@@ -103,12 +103,12 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
   carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
 }
 
-bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doublings) {
+bool SheetSimulation::refine_mesh(const SimulatedSheet::MeshSnapshot& start, int doublings) {
   std::optional<PatternMesh> finer;
   while (doublings-- > 0 && method_->has_finer_mesh() && method_->doublings() < doublings_to_bend)
     finer = method_->finer_mesh();
   if (!finer) return false;
-  restore(std::move(start));
+  restore(start);
   simulated_.put_on(std::move(*finer));
   now_.last_remesh.reset();
   folds_.forget();
@@ -116,14 +116,13 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& start, int doubling
   return true;
 }
 
-bool SheetSimulation::go_back_on_finer_mesh(SimulatedSheet::Snapshot&& start,
+bool SheetSimulation::go_back_on_finer_mesh(const SimulatedSheet::MeshSnapshot& start,
                                             const AdmissibilityCheck& is_admissible) {
-  const SimulatedSheet::Snapshot end = simulated_.snapshot();
+  const SimulatedSheet::MeshSnapshot end = simulated_.snapshot();
   const FrameStepResult step = now_.step;
-  if (!refine_mesh(std::move(start), stretches_instead_of_bending() ? doublings_to_bend : 1))
-    return false;
+  if (!refine_mesh(start, stretches_instead_of_bending() ? doublings_to_bend : 1)) return false;
   if (leave_colliders(is_admissible)) return true;
-  restore(SimulatedSheet::Snapshot(end));
+  restore(end);
   now_.step = step;
   return false;
 }
@@ -174,17 +173,17 @@ bool SheetSimulation::refine_where_jammed(const AdmissibilityCheck& is_admissibl
 }
 
 bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible) {
-  const SimulatedSheet::Snapshot kept = simulated_.snapshot();
+  const SimulatedSheet::MeshSnapshot kept = simulated_.snapshot();
   const FrameStepResult jammed = now_.step;
   const ColliderShapes now =
       between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
   const double depth = simulated_.elastic.inside(sheet(), now);
-  if (!refine_mesh(SimulatedSheet::Snapshot(kept), 1)) return false;
+  if (!refine_mesh(kept, 1)) return false;
   now_.step = jammed;
   if (crossings(sheet()) == 0 && is_admissible(kept.sheet, sheet(), 0) &&
       simulated_.elastic.inside(sheet(), now) <= std::max(depth, give_way_depth))
     return true;
-  restore(SimulatedSheet::Snapshot(kept));
+  restore(kept);
   return false;
 }
 

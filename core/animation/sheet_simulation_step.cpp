@@ -6,7 +6,6 @@
 #include "core/model/error.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace paperbake {
 namespace {
@@ -73,7 +72,8 @@ FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_she
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
-  if (trace == RecordTrajectory::yes || release_.is_on()) now_.step_start = simulated_.snapshot();
+  if (trace == RecordTrajectory::yes || release_.is_on())
+    now_.step_start.emplace(simulated_.sheet, simulated_.elastic);
   now_.path_of_step.clear();
 }
 
@@ -105,9 +105,7 @@ void SheetSimulation::undo_step() {
 }
 
 void SheetSimulation::roll_back() {
-  if (!now_.step_start) return;
-  simulated_.sheet = now_.step_start->sheet;
-  simulated_.elastic.restore(now_.step_start->state);
+  if (now_.step_start) now_.step_start->restore(simulated_.sheet, simulated_.elastic);
 }
 
 void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_admissible) {
@@ -119,12 +117,10 @@ void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_
   const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
   const bool refines = may_refine();
   for (;;) {
-    std::optional<SimulatedSheet::Snapshot> start;
+    std::optional<SimulatedSheet::MeshSnapshot> start;
     if (refines) start = simulated_.snapshot();
     IslandStep({this}, {{}, InitialGap::apart, of_this, trace}).take();
-    if (!refines || !is_held_back_by_mesh() ||
-        !go_back_on_finer_mesh(std::move(*start), is_admissible))
-      break;
+    if (!refines || !is_held_back_by_mesh() || !go_back_on_finer_mesh(*start, is_admissible)) break;
   }
   end_step();
 }

@@ -30,13 +30,13 @@ SimulatedSheet::SimulatedSheet(const Shot& shot, InitialSheet&& start,
   elastic.set_mesh(sheet, start.stiffening);
 }
 
-void SimulatedSheet::restore(Snapshot&& back) {
-  sheet = std::move(back.sheet);
+void SimulatedSheet::restore(const MeshSnapshot& back) {
+  sheet = back.sheet;
   update_solver();
   elastic.restore(back.state);
-  fixed = std::move(back.fixed);
+  fixed = back.fixed;
   has_bends = back.has_bends;
-  positions_before = std::move(back.positions_before);
+  positions_before = back.positions_before;
 }
 
 void SimulatedSheet::update_solver() { elastic.set_mesh(sheet, disc_factors(sheet, shot)); }

@@ -2,6 +2,7 @@
 
 #include "core/animation/animate.h"
 #include "core/animation/initial_sheet.h"
+#include "core/animation/snapshot.h"
 
 #include <optional>
 #include <vector>
@@ -17,18 +18,16 @@ struct SimulatedSheet {
   SimulatedSheet(const SimulatedSheet&) = delete;  // the solver points to the plastic grid
   SimulatedSheet& operator=(const SimulatedSheet&) = delete;
 
-  /// The sheet on one of its meshes, to be restored. A sheet in contact with itself may lock after
-  /// a change of mesh: an edge that was flipped or moved across a fold is too short, and the
-  /// barriers around it keep it from regaining its length.
-  struct Snapshot {
-    Sheet sheet;
-    SolverState state;
+  /// Everything needed to take a change of mesh back, too. A sheet in contact with itself may lock
+  /// after one: an edge that was flipped or moved across a fold is too short, and the barriers
+  /// around it keep it from regaining its length.
+  struct MeshSnapshot : Snapshot {
     std::vector<char> fixed;  // as below, and the two after it
     bool has_bends;
     Points3 positions_before;
   };
-  Snapshot snapshot() const { return {sheet, elastic.state(), fixed, has_bends, positions_before}; }
-  void restore(Snapshot&&);
+  MeshSnapshot snapshot() const { return {{sheet, elastic}, fixed, has_bends, positions_before}; }
+  void restore(const MeshSnapshot&);
 
   /// Gives the solver the present mesh, which has the vertices of the mesh before it where they
   /// were, and perhaps others besides.

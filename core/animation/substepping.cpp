@@ -1,6 +1,7 @@
 #include "core/animation/substepping.h"
 
 #include "core/animation/imperfection.h"
+#include "core/animation/snapshot.h"
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/proximity.h"
@@ -261,31 +262,14 @@ std::pair<DrivenSheet, DrivenSheet> halves_of(const DrivenSheet& whole, double d
   return {with(std::move(half)), with(std::move(other))};
 }
 
-/// The sheets and all that is known of them at the beginning of a part of the frame.
-class Beginning {
- public:
-  explicit Beginning(const std::vector<DrivenSheet>& sheets) : sheets_(sheets) {
-    for (const DrivenSheet& f : sheets) {
-      before_.push_back(f.sheet);
-      state_.push_back(f.elastic.state());
-    }
-  }
-  void restore() const {
-    for (std::size_t k = 0; k < sheets_.size(); ++k) {
-      sheets_[k].sheet = before_[k];
-      sheets_[k].elastic.restore(state_[k]);
-    }
-  }
-
- private:
-  const std::vector<DrivenSheet>& sheets_;
-  std::vector<Sheet> before_;
-  std::vector<SolverState> state_;
-};
-
 std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets,
                                           const FrameInterval& frame, const FramePart& part) {
-  const Beginning beginning(sheets);
+  std::vector<Snapshot> beginning;
+  for (const DrivenSheet& f : sheets) beginning.emplace_back(f.sheet, f.elastic);
+  const auto go_back = [&] {
+    for (std::size_t k = 0; k < sheets.size(); ++k)
+      beginning[k].restore(sheets[k].sheet, sheets[k].elastic);
+  };
   std::vector<FrameStepResult> result(sheets.size());
   std::optional<Rejection> rejection = Rejection{};
   const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const DrivenSheet& f) {
@@ -295,7 +279,7 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
   if (!is_long && part.halvings >= frame.min_halvings)
     rejection = try_step(sheets, frame, part, result);
   if (!rejection) return result;
-  beginning.restore();
+  go_back();
   if (rejection->jammed) {
     for (FrameStepResult& r : result) {
       r.substeps = 0;
@@ -324,7 +308,7 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
   };
   if (is_over(half.front())) return half;
   std::vector<FrameStepResult> all = advance_part(rest, frame, {halvings, part.end});
-  if (!all.front().failure_reason.empty()) beginning.restore();
+  if (!all.front().failure_reason.empty()) go_back();
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     if (all[k].followed <= part.end - 0.5 * part.length()) all[k].last = half[k].last;
     all[k].substeps += half[k].substeps;
