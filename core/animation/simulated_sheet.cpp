@@ -55,10 +55,15 @@ void SimulatedSheet::carry_over(const Sheet& before) {
 }
 
 void SimulatedSheet::put_on(PatternMesh&& mesh) {
-  fixed = are_required(mesh);
-  const Sheet before = std::move(sheet);
-  sheet = on_other_mesh(before, std::move(mesh.vertices), std::move(mesh.triangles));
-  carry_over(before);
+  Snapshot before = snapshot();
+  try {
+    fixed = are_required(mesh);
+    sheet = on_other_mesh(before.sheet, std::move(mesh.vertices), std::move(mesh.triangles));
+    carry_over(before.sheet);
+  } catch (...) {
+    restore(std::move(before));
+    throw;
+  }
 }
 
 Points3 SimulatedSheet::initial_positions() const {

@@ -36,6 +36,8 @@ struct SimulatedSheet {
   /// carries over what it knows from the mesh before it.
   void carry_over(const Sheet& before);
   /// Puts the sheet onto a mesh that a method made, where all points that are fixed are vertices.
+  /// throws  what the change of mesh throws, such as find_hinges(): the sheet and its solver are as
+  ///         before then
   void put_on(PatternMesh&&);
 
   bool has_inertia() const { return elastic.inertia() == Inertia::dynamic; }
