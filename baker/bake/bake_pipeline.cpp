@@ -53,6 +53,9 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
       caches_(settings.formats, {plan, folder}, files_),
       tasks_(settings.threads),
       context_{settings, plan, files_, certificate_, caches_, progress, tasks_, &clock} {
+  const FrameSpan shown = caches_.frames_shown();
+  progress.expect_rendered(static_cast<int>(plan.shots.size()) *
+                           ((shown.last - shown.first) / shown.step + 1));
   if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));

@@ -54,7 +54,11 @@ std::string one_line(const std::string& text) {
 }  // namespace
 
 Progress::Progress(ProgressMode mode, int frames, Passes passes)
-    : frames_(frames), passes_(passes), begun_(std::chrono::steady_clock::now()), last_(begun_) {
+    : passes_(passes),
+      simulate_{"simulated", frames},
+      render_{"rendered", frames},
+      begun_(std::chrono::steady_clock::now()),
+      last_(begun_) {
   switch (mode) {
     case ProgressMode::automatic:
       style_ = isatty(STDERR_FILENO) ? Style::bar : Style::plain;
@@ -119,7 +123,7 @@ void Progress::start(const ProgressStart& start) {
               {"first_frame", start.frames.first},
               {"last_frame", start.frames.last},
               {"frame_step", start.frames.step},
-              {"frames", frames_},
+              {"frames", simulate_.frames},
               {"passes", passes_ == Passes::simulate ? 1 : 2},
               {"sheets", start.sheets},
               {"job_hash", start.job_hash}});
@@ -169,14 +173,15 @@ void Progress::simulated(const FrameRecord& record) {
     return frame(simulate_, record, record.statistics.stretch_mean, record.statistics.triangles);
   ++simulate_.done;
   ++simulate_.taken;
-  if (on_step_) on_step_({simulate_.name, record.sheet, record.frame, simulate_.done, frames_});
+  if (on_step_)
+    on_step_({simulate_.name, record.sheet, record.frame, simulate_.done, simulate_.frames});
   last_ = std::chrono::steady_clock::now();
 }
 
 void Progress::taken(const std::string& sheet, int last_frame) { taken_[sheet] = last_frame; }
 
 void Progress::begin_again() {
-  simulate_ = {simulate_.name};
+  simulate_ = {simulate_.name, simulate_.frames};
   taken_.clear();
   last_ = std::chrono::steady_clock::now();
 }
@@ -192,7 +197,7 @@ double Progress::seconds_left() const {
   for (const Pass* pass : {&simulate_, &render_})
     if (const int own = pass->done - pass->taken; own > 0)
       left += (own > 1 ? (pass->seconds - pass->first) / (own - 1) : pass->seconds) *
-              (frames_ - pass->done);
+              (pass->frames - pass->done);
   return left;
 }
 
@@ -200,8 +205,8 @@ std::string Progress::frame_text(const Pass& pass, const FrameRecord& record,
                                  double stretch_mean) const {
   const int points = record.statistics.singular;
   const std::string of = record.frame == pass.done
-                             ? fmt::format("{} of {}", record.frame, frames_)
-                             : fmt::format("{} ({} of {})", record.frame, pass.done, frames_);
+                             ? fmt::format("{} of {}", record.frame, pass.frames)
+                             : fmt::format("{} ({} of {})", record.frame, pass.done, pass.frames);
   return fmt::format("{}{} frame {}, {} left, stretched {:.3f} %, {}",
                      several_sheets_ ? record.sheet + ": " : "", pass.name, of,
                      clock_text(seconds_left()), 100 * stretch_mean,
@@ -215,7 +220,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
   pass.seconds += std::chrono::duration<double>(now - last_).count();
   if (pass.done - pass.taken == 1) pass.first = pass.seconds;
   last_ = now;
-  if (on_step_) on_step_({pass.name, record.sheet, record.frame, pass.done, frames_});
+  if (on_step_) on_step_({pass.name, record.sheet, record.frame, pass.done, pass.frames});
   const std::string text = frame_text(pass, record, stretch_mean);
   log(text);
   switch (style_) {
@@ -224,7 +229,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
       return;
     case Style::bar: {
       constexpr int width = 20;
-      const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_,
+      const int steps = simulate_.frames + (passes_ == Passes::simulate ? 0 : render_.frames),
                 full = width * (simulate_.done + render_.done) / std::max(1, steps);
       // clear to the end of the line: the text before may have been longer
       paperbake::say(fmt::format("\r[{:=<{}}{: <{}}] {}\033[K", "", full, "", width - full, text));
@@ -240,7 +245,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
                          {"frame", record.frame},
                          {"pass", pass.name},
                          {"done", pass.done},
-                         {"frames", frames_},
+                         {"frames", pass.frames},
                          {"seconds_left", seconds_left()},
                          {"stretch_mean_pct", 100 * stretch_mean},
                          {"triangles", triangles},

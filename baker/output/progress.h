@@ -67,6 +67,9 @@ class Progress {
   void taken(const std::string& sheet, int last_frame);
   /// What was simulated is not used: the first pass begins again.
   void begin_again();
+  /// The second pass has so many frames of all sheets. To be called where they are not those of the
+  /// first, before one is rendered.
+  void expect_rendered(int frames) { render_.frames = frames; }
   void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
   void message(const std::string& sentence) { say("message", "", sentence); }
@@ -82,6 +85,7 @@ class Progress {
   enum class Style { bar, plain, json, none, functions };
   struct Pass {
     const char* name;
+    int frames;               // of all sheets
     int done = 0, taken = 0;  // taken: of them, from an earlier bake
     double seconds = 0;       // that its frames took
     double first = 0;         // [s] of these for the first one, with which more is prepared
@@ -100,10 +104,9 @@ class Progress {
   Style style_;
   std::function<void(const ProgressStep&)> on_step_;
   std::function<void(const std::string&)> on_message_;
-  int frames_;
   Passes passes_;
   bool several_sheets_ = false;
-  Pass simulate_{"simulated"}, render_{"rendered"};
+  Pass simulate_, render_;
   std::map<std::string, int> taken_;
   bool bar_open_ = false;
   std::atomic<bool> ended_ = false;  // by whichever thread; nothing is told any more

@@ -35,6 +35,22 @@ TEST_F(ProgressTest, BothPassesOfABakeTellOfEveryFrame) {
   EXPECT_EQ(done, (std::map<std::string, int>{{"rendered", 3}, {"simulated", 3}}));
 }
 
+TEST_F(ProgressTest, TheTotalOfAPassIsWhatItDoes) {
+  const Ended ended =
+      run(crumple("1-40", {"--fps", "24", "--formats", "preview", "--progress", "json"}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  std::map<std::string, int> done, frames;
+  for (const std::string& line : lines_of(ended.err)) {
+    const auto given = nlohmann::json::parse(line);
+    if (given["type"] != "frame") continue;
+    ++done[given["pass"]];
+    frames[given["pass"]] = given["frames"];
+  }
+  EXPECT_EQ(done["simulated"], 40);
+  EXPECT_LT(done["rendered"], 17) << "a preview shows at most 16 frames";
+  EXPECT_EQ(frames, done);
+}
+
 TEST_F(ProgressTest, APlainBakeSaysWhichPassIsAtWhichFrame) {
   const Ended ended = run(crumple("1-2", {"--fps", "24", "--progress", "plain"}));
   for (const char* words : {"simulated frame 2 of 2, ", "rendered frame 1 of 2, ",
