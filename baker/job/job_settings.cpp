@@ -74,18 +74,22 @@ std::string rules_text(const SingularPointRules& rules,
   return text;
 }
 
+/// A preset as the job file names it: a grade, or a file as seen from the folder of the job.
+std::string preset_named_from(const fs::path& folder, const std::string& preset) {
+  std::error_code none;
+  return fs::is_regular_file(preset, none) ? relative_to(folder, preset) : preset;
+}
+
 std::string sections_text(const char* kind, const std::vector<JobKey>& keys,
                           const std::vector<JobSection>& sections, const fs::path& folder) {
   std::string text;
   for (const JobSection& section : sections) {
     text += fmt::format("\n[{}.{}]\n", kind, toml_string(section.pattern));
-    for (const JobValue& value : section.values) {
-      std::error_code none;
-      const bool file = value.key == "preset" && fs::is_regular_file(value.text, none);
+    for (const JobValue& value : section.values)
       text += fmt::format(
           "{} = {}\n", value.key,
-          literal(key_named(keys, value.key), file ? relative_to(folder, value.text) : value.text));
-    }
+          literal(key_named(keys, value.key),
+                  value.key == "preset" ? preset_named_from(folder, value.text) : value.text));
     text += rules_text(section.singular_point_rules, section.creases);
   }
   return text;
@@ -96,10 +100,13 @@ bool has_section(const std::vector<JobSection>& sections, const std::string& nam
                      [&](const JobSection& s) { return s.pattern == name; });
 }
 
-std::string sheet_comment(const SceneSheet& sheet) {
+std::string sheet_comment(const BakeSettings& settings, const SceneSheet& sheet,
+                          const fs::path& folder) {
   const Vector2d size = extent(sheet.pattern);
+  const ResolvedPaper resolved = resolve_paper(settings, sheet);
   return fmt::format(
-      "\n# [sheet.{}]  # {:.2f} x {:.2f} mm\n# preset = {}\n# gsm = {}\n# thickness = {}  # m\n# "
+      "\n# [sheet.{}]  # {:.2f} x {:.2f} mm\n# preset = {}\n# gsm = {:.6g}\n# thickness = {}  # "
+      "m\n# "
       "seed = {}\n"
       "# singular_keep = [[{:.4g}, {:.4g}]]  # u, v in m: a singular point from the first frame "
       "on\n"
@@ -107,10 +114,9 @@ std::string sheet_comment(const SceneSheet& sheet) {
       "# crease = [{{line = [[0.0, {:.4g}], [{:.4g}, {:.4g}]], angle = 0.0}}]  # folded before the "
       "first frame; degrees that it springs back to\n",
       toml_string(sheet.name), 1e3 * size.x(), 1e3 * size.y(),
-      toml_string(sheet.preset.value_or("copy70")), toml_number(sheet.grammage.value_or(70)),
-      toml_number(sheet.thickness.value_or(9e-5)), sheet.seed.value_or(0), size.x() / 2,
-      size.y() / 2, size.x() / 2, size.y() / 2, size.minCoeff() / 10, size.y() / 2, size.x(),
-      size.y() / 2);
+      toml_string(preset_named_from(folder, resolved.preset)), 1e3 * resolved.paper.area_density,
+      toml_number(resolved.paper.thickness), sheet.seed.value_or(0), size.x() / 2, size.y() / 2,
+      size.x() / 2, size.y() / 2, size.minCoeff() / 10, size.y() / 2, size.x(), size.y() / 2);
 }
 
 std::string handle_comment(const Scene& scene, const SceneSheet& sheet, std::size_t h) {
@@ -129,6 +135,24 @@ std::string handle_comment(const Scene& scene, const SceneSheet& sheet, std::siz
       toml_string(sheet.name));
 }
 
+/// The section [paper]: what it sets, and as comments the other numbers of the first sheet.
+std::string paper_text(const BakeSettings& settings, const Scene& scene) {
+  const SceneSheet& sheet = scene.sheets.front();
+  const Paper paper = resolve_paper(settings, sheet).paper;
+  std::string text = fmt::format(
+      "\n# One number of the paper, over preset and scene; here those of {}{}.\n[paper]\n",
+      paper.name, scene.sheets.size() > 1 ? fmt::format(", the paper of \"{}\"", sheet.name) : "");
+  const bool commanded = settings.origin("preset") == Origin::command;
+  for (const PaperParameter& parameter : paper_parameters) {
+    std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(paper)));
+    for (const SetValue& set : settings.set)
+      if (set.key == parameter.key && (set.origin == Origin::command || !commanded))
+        line = fmt::format("{} = {}", set.key, toml_number(set.value));
+    text += fmt::format("{}  # [{}]\n", line, parameter.unit);
+  }
+  return text;
+}
+
 std::string option_text(const BakeSettings& settings, const Option& option,
                         const fs::path& folder) {
   const auto given = settings.given.find(option.name);
@@ -137,9 +161,8 @@ std::string option_text(const BakeSettings& settings, const Option& option,
         "# {} = {}\n", option.name,
         literal(option, option.default_value.empty() ? option.example : option.default_value));
   std::string text = given->second.text;
-  std::error_code none;
-  if (is_path(option.name) || (option.name == "preset" && fs::is_regular_file(text, none)))
-    text = relative_to(folder, text);
+  if (is_path(option.name)) text = relative_to(folder, text);
+  if (option.name == "preset") text = preset_named_from(folder, text);
   return fmt::format("{} = {}\n", option.name, literal(option, text));
 }
 
@@ -189,18 +212,8 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
     if (option.kind == JobKey::word) text += fmt::format("# ({})\n", fmt::join(option.words, ", "));
     text += option_text(settings, option, folder);
   }
-  const Paper paper = read_preset(settings.preset.value_or("copy70"), "").paper;
-  text += fmt::format(
-      "\n# One number of the paper, over preset and scene; here those of {}.\n[paper]\n",
-      paper.name);
-  const bool commanded = settings.origin("preset") == Origin::command;
-  for (const PaperParameter& parameter : paper_parameters) {
-    std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(paper)));
-    for (const SetValue& set : settings.set)
-      if (set.key == parameter.key && (set.origin == Origin::command || !commanded))
-        line = fmt::format("{} = {}", set.key, toml_number(set.value));
-    text += fmt::format("{}  # [{}]\n", line, parameter.unit);
-  }
+  const Scene scene = read_scene(settings.scene, settings.reading);
+  text += paper_text(settings, scene);
   text +=
       "\n# Sheets and handles by name: * and ? stand for letters. \"Handle_L.001\", "
       "\"ns:handle.l\" "
@@ -208,9 +221,8 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
       "# A value here has the meaning of the property paper_... of the node and wins over it; of "
       "two sections the later one.\n";
   text += sections_text(settings, folder);
-  const Scene scene = read_scene(settings.scene, settings.reading);
   for (const SceneSheet& sheet : scene.sheets)
-    if (!has_section(settings.sheets, sheet.name)) text += sheet_comment(sheet);
+    if (!has_section(settings.sheets, sheet.name)) text += sheet_comment(settings, sheet, folder);
   for (const SceneSheet& sheet : scene.sheets)
     for (std::size_t h = 0; h < sheet.handles.size(); ++h)
       if (!has_section(settings.handles, sheet.handles[h].name))

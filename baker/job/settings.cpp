@@ -157,6 +157,7 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   ResolvedPaper resolved;
   Paper& paper = resolved.paper;
   paper = read_preset(grade, origin == Origin::scene ? place + ", paper_preset" : "").paper;
+  resolved.preset = grade;
   if (counts("gsm") && sheet.grammage) {
     const double ratio = 1e-3 * *sheet.grammage / paper.area_density;
     if (std::abs(ratio - 1) > 1e-9) scaled = of_sheet("gsm");

@@ -123,6 +123,7 @@ struct UsedValue {
 /// The paper of one sheet and where each number came from.
 struct ResolvedPaper {
   Paper paper;
+  std::string preset;  // grade or file that it was read from
   std::vector<UsedValue> used;
 };
 

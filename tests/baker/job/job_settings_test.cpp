@@ -191,19 +191,47 @@ TEST_F(JobSettingsTest, APresetOfTheCommandLineThatReplacesNumbersOfTheJobIsAWar
   EXPECT_FALSE(told({"--preset", "copy70", "--set", "apex_scatter=0.003"}));
 }
 
+/// The number behind the first place that begins so.
+double value_of(const std::string& text, const std::string& beginning) {
+  const std::size_t at = text.find(beginning);
+  EXPECT_NE(at, std::string::npos) << beginning << text;
+  return at == std::string::npos ? 0 : std::stod(text.substr(text.find('=', at) + 1));
+}
+
 TEST_F(JobSettingsTest, TheTemplateHasTheNumbersOfThePreset) {
   ASSERT_EQ(run({"bake", samples + "/S4_crumple.glb", "--preset", "card300", "--write-job",
                  folder / "card.toml"})
                 .code,
             0);
   const std::string written = read(folder / "card.toml"), card = run({"presets", "card300"}).out;
-  const auto value = [](const std::string& text, const std::string& beginning) {
-    const std::size_t at = text.find(beginning);
-    EXPECT_NE(at, std::string::npos) << beginning << text;
-    return std::stod(text.substr(text.find('=', at) + 1));
-  };
   for (const std::string key : {"friction", "thickness"})
-    EXPECT_EQ(value(written, "\n# " + key + " = "), value(card, "[" + key + "]\nvalue = ")) << key;
+    EXPECT_EQ(value_of(written, "\n# " + key + " = "), value_of(card, "[" + key + "]\nvalue = "))
+        << key;
+}
+
+TEST_F(JobSettingsTest, TheTemplateHasTheNumbersOfThePresetThatTheSceneNames) {
+  const auto written = [&](const std::string& sample, const Words& more) {
+    Words words{"bake", samples + "/" + sample, "--write-job", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.out;
+  };
+  const std::string text = written("G1_newspaper.glb", {}),
+                    newsprint = run({"presets", "newsprint45"}).out;
+  EXPECT_NE(text.find("here those of newsprint45.\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n# preset = \"newsprint45\"\n"), std::string::npos) << text;
+  for (const std::string key : {"friction", "thickness", "area_density"})
+    EXPECT_EQ(value_of(text, "\n# " + key + " = "), value_of(newsprint, "[" + key + "]\nvalue = "))
+        << key;
+  const std::string of_sheet = text.substr(text.find("\n# [sheet."));
+  EXPECT_EQ(value_of(of_sheet, "\n# gsm = "),
+            1e3 * value_of(newsprint, "[area_density]\nvalue = "));
+  EXPECT_EQ(value_of(of_sheet, "\n# thickness = "), value_of(newsprint, "[thickness]\nvalue = "));
+  // the command line says more than the scene
+  const std::string card = written("G1_newspaper.glb", {"--preset", "card300"});
+  EXPECT_NE(card.find("here those of card300.\n"), std::string::npos) << card;
+  EXPECT_NE(card.find("\n# preset = \"card300\"\n"), std::string::npos) << card;
 }
 
 TEST_F(JobSettingsTest, WithoutAnOutputFolderItEndsWithTwo) {
