@@ -8,6 +8,7 @@
 #include "core/geometry/sheet_distance.h"
 #include "core/hands/obstructed_paths.h"
 #include "core/model/error.h"
+#include "formats/config/job_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,14 +103,27 @@ void warn_of_replaced_paper(const BakeSettings& settings, BakePlan& plan) {
       return set.key == key && set.origin == Origin::command;
     });
   };
+  std::vector<std::string> replaced;
+  const auto add_section = [&](const std::vector<std::string>& keys, const std::string& section) {
+    if (!keys.empty())
+      replaced.push_back(fmt::format("{} of its [{}]", fmt::join(keys, ", "), section));
+  };
   std::vector<std::string> keys;
   for (const SetValue& set : settings.set)
     if (set.origin == Origin::job && !is_given(set.key)) keys.push_back(set.key);
-  if (keys.empty()) return;
+  add_section(keys, "paper");
+  for (const JobSection& sheet : settings.sheets) {
+    keys.clear();
+    for (const JobValue& value : sheet.values)
+      if (value.key != "seed" && !is_given(value.key == "gsm" ? "area_density" : value.key))
+        keys.push_back(value.key);
+    add_section(keys, "sheet." + toml_string(sheet.pattern));
+  }
+  if (replaced.empty()) return;
   plan.warnings.push_back(
-      fmt::format("The preset of the command line replaces the paper of the job, also {} of its "
-                  "[paper]. Give what is to stay with --set.",
-                  fmt::join(keys, ", ")));
+      fmt::format("The preset of the command line replaces the paper of the job, also {}. Give "
+                  "what is to stay with --set.",
+                  fmt::join(replaced, " and ")));
 }
 
 void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& plan) {

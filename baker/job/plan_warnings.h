@@ -21,7 +21,8 @@ void warn_of_sheets_inside_colliders(const BakeSettings&, BakePlan&);
 /// Warns of sheets that pass through each other where they begin.
 void warn_of_sheets_in_each_other(BakePlan&);
 
-/// Warns of single numbers of the job's paper that a preset on the command line replaces.
+/// Warns of what single keys of the job say of the paper, for all sheets or for some, where a
+/// preset on the command line replaces it.
 void warn_of_replaced_paper(const BakeSettings&, BakePlan&);
 
 /// Warns of a mesh that is too coarse to bend.

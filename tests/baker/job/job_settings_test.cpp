@@ -191,6 +191,30 @@ TEST_F(JobSettingsTest, APresetOfTheCommandLineThatReplacesNumbersOfTheJobIsAWar
   EXPECT_FALSE(told({"--preset", "copy70", "--set", "apex_scatter=0.003"}));
 }
 
+TEST_F(JobSettingsTest, APresetOfTheCommandLineThatReplacesThePaperOfASheetIsAWarning) {
+  const auto told = [&](const std::string& lines, const Words& more) {
+    write(folder / "shot.toml", "scene = \"" + samples + "/S4_crumple.glb\"\nfps = 24\n" + lines);
+    Words words{"bake", folder / "shot.toml", "--dry-run", "--progress", "plain"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.err;
+  };
+  const std::string sheet = "[sheet.\"PAPER\"]\npreset = \"copy90\"\nthickness = 1e-4\nseed = 9\n";
+  EXPECT_EQ(told(sheet, {}), "");
+  EXPECT_EQ(told("[sheet.\"PAPER\"]\nseed = 9\n", {"--preset", "copy70"}), "")
+      << "a seed is not of the paper";
+  EXPECT_NE(told(sheet, {"--preset", "copy70"})
+                .find("also preset, thickness of its [sheet.\"PAPER\"]. Give"),
+            std::string::npos);
+  const Words set{"--preset", "copy70", "--set", "thickness=1e-4", "--set", "area_density=0.08"};
+  EXPECT_NE(told(sheet, set).find("also preset of its [sheet."), std::string::npos);
+  EXPECT_EQ(told("[sheet.\"PAPER\"]\ngsm = 80\n", set), "") << "given again with --set";
+  EXPECT_NE(told("[paper]\nfriction = 0.3\n" + sheet, {"--preset", "copy70"})
+                .find("also friction of its [paper] and preset, thickness of its [sheet."),
+            std::string::npos);
+}
+
 /// The number behind the first place that begins so.
 double value_of(const std::string& text, const std::string& beginning) {
   const std::size_t at = text.find(beginning);
