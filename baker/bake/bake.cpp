@@ -206,7 +206,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     failure = choose_attempt(attempts, progress, stop, clock);
     if (!failure && attempts.recorded() != Attempts::Recorded::everything) {
       if (attempts.recorded() == Attempts::Recorded::nothing) {
-        recorded.reset();  // its files are written anew
+        recorded->discard();  // its files are written anew
+        recorded.reset();
         progress.begin_again();
       }
       record();

@@ -74,6 +74,13 @@ void BakePipeline::record(const AnimatedFrame& frame) {
   if (shapes_ && context_.plan.frames.contains(frame.frame)) shapes_->add(frame);
 }
 
+void BakePipeline::discard() {
+  tasks_.abandon();
+  for (const auto& recorder : recorders_) recorder->discard();
+  std::error_code none;
+  for (const auto& picture : files_.pictures()) std::filesystem::remove(picture, none);
+}
+
 void BakePipeline::record_twin(const AnimatedFrame& frame) {
   if (const std::optional<double> distance = shapes_->distance(frame))
     certificate_.line(frame.sheet_index, frame.frame).twin = distance;

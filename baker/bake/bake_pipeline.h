@@ -39,6 +39,8 @@ class BakePipeline {
   bool needs_plastic_curvature() const;
 
   void record(const AnimatedFrame&);
+  /// What was recorded is not baked: the maps and pictures of it are removed. Nothing must follow.
+  void discard();
   /// The last frame that was recorded; if there is none, one before any.
   int recorded_until() const { return recorded_until_; }
   /// A frame of the twin, after all frames were recorded; with BakeSettings::twin.

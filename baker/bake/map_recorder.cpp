@@ -56,6 +56,14 @@ void MapRecorder::finish() {
                        *picture_.png);
 }
 
+void MapRecorder::discard() {
+  std::error_code none;
+  for (const File& file : files_)
+    if (*file.is_there) std::filesystem::remove(bake_.files.folder() / file.name, none);
+  files_.clear();
+  picture_ = {};
+}
+
 /// Calls draw(map_ as it is now, info()) while the bake goes on.
 std::shared_future<void> MapRecorder::start(const Draw& draw) {
   return bake_.tasks.start(
@@ -68,10 +76,13 @@ std::shared_future<void> MapRecorder::start(const Draw& draw) {
 void MapRecorder::write_map(const std::string& frame) {
   const std::string name = fmt::format("maps/{}{}.{}.exr", bake_.plan.name,
                                        bake_.plan.sheets[sheet_].file_suffix, frame);
-  const auto write = [path = bake_.files.folder() / name](const CreaseMap& map, const MapInfo& of) {
+  const auto is_there = std::make_shared<bool>(false);
+  const auto write = [path = bake_.files.folder() / name, is_there](const CreaseMap& map,
+                                                                    const MapInfo& of) {
     map.write(path, of);
+    *is_there = true;
   };
-  files_.push_back({name, start(write)});
+  files_.push_back({name, start(write), is_there});
 }
 
 MapInfo MapRecorder::info() const {

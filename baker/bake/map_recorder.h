@@ -24,6 +24,8 @@ class MapRecorder {
   void draw_final();
   /// Waits for all maps and lists them; hands the picture to the caches.
   void finish();
+  /// Removes the maps that were written: what they show is not baked. None must be being drawn.
+  void discard();
 
  private:
   using Draw = std::function<void(const CreaseMap&, const MapInfo&)>;
@@ -38,6 +40,7 @@ class MapRecorder {
   struct File {
     std::string name;
     std::shared_future<void> written;
+    std::shared_ptr<bool> is_there;  // set by the task when the map is written
   };
   std::vector<File> files_;
   struct Picture {

@@ -55,6 +55,10 @@ void SheetRecorder::finish() {
   if (maps_) maps_->finish();
 }
 
+void SheetRecorder::discard() {
+  if (maps_) maps_->discard();
+}
+
 std::vector<CacheLayer> SheetRecorder::crease_attributes(std::size_t k, const Points2& pattern) {
   if (!attributes_) return {};
   return attributes_->at(k, record_, pattern);

@@ -30,6 +30,8 @@ class SheetRecorder {
   void draw_final_map();
   /// After rendering: waits for the maps.
   void finish();
+  /// Instead of all that: removes the maps (MapRecorder::discard).
+  void discard();
 
   /// The frames to be rendered; empty if simulated meshes are cached, or nothing is.
   const ShotRecord& record() const { return record_; }

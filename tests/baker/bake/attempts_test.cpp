@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <fstream>
+#include <sys/resource.h>
 
 namespace paperbake {
 namespace {
@@ -361,6 +362,46 @@ TEST_F(AttemptsTest, SmoothPaperThatIsTooTightlyBentForTheFirstMeshIsBakedOnAFin
   EXPECT_EQ(simulated(polished), 25) << "nothing of the first attempt was handed on";
   run(stacks("directly", {"--polish", "300", "--base-triangles", "480", "--attempts", "1"}));
   EXPECT_TRUE(shapes("polished") == shapes("directly"));
+}
+
+TEST_F(AttemptsTest, MapsOfTheFirstOneGoAlsoWhereThoseOfTheChosenOneCannotBeWritten) {
+  const auto with_maps = [&](const std::string& out) {
+    Words all = shot("S7_stacks", out, {"--map-size", "256", "--map-frames", "1-25x6"});
+    *std::find(all.begin(), all.end(), "abc,cert") = "maps,cert";
+    return all;
+  };
+  const Ended whole = run(with_maps("whole"));
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  std::uintmax_t smallest = std::numeric_limits<std::uintmax_t>::max();
+  for (const auto& map : fs::directory_iterator(folder / "whole/maps"))
+    smallest = std::min(smallest, map.file_size());
+  ASSERT_GT(smallest, 2 * whole.err.size()) << "what it tells has to find room";
+
+  const pid_t child = test::start(folder, with_maps("out"));
+  while (times(read(folder / "stderr.txt"), "is tried") == 0) usleep(1000);
+  const rlimit small{smallest - 1, smallest - 1};
+  prlimit(child, RLIMIT_FSIZE, &small, nullptr);
+  EXPECT_EQ(test::exit_code(child), 6);
+  EXPECT_EQ(times(read(folder / "stderr.txt"), "there is no maps/S7_stacks.0013.exr"), 1)
+      << read(folder / "stderr.txt");
+  for (const auto& map : fs::directory_iterator(folder / "out/maps"))
+    ADD_FAILURE() << map.path() << " is of the attempt that was not baked";
+}
+
+TEST_F(AttemptsTest, PicturesOfTheFirstOneGo) {
+  const auto pictures = [&](const std::string& out, Words more) {
+    more.insert(more.end(), {"--debug-pictures", folder / out / "debug"});
+    run(shot("S5_roll", out, more));
+    std::set<std::string> names;
+    for (const auto& picture : fs::directory_iterator(folder / out / "debug"))
+      names.insert(picture.path().filename());
+    return names;
+  };
+  const std::set<std::string> chosen = pictures("out", {});
+  const json attempts = summary("out").at("attempts");
+  ASSERT_EQ(attempts.at("baked"), 2);
+  ASSERT_TRUE(attempts.at("tried").at(0).at("crumpled")) << "its points would have pictures, too";
+  EXPECT_EQ(chosen, pictures("direct", {"--base-triangles", "480", "--attempts", "1"}));
 }
 
 TEST_F(AttemptsTest, WhereOthersCannotBeKeptTheFirstOneIsWritten) {
