@@ -219,7 +219,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     compare_with_twin(settings, attempts.plan(), pipeline, progress, stop);
   if (!pipeline.render(stop) && !failure)
     failure = stopped(settings, plan, plan.animation.last_frame);
-  const BakeOutcome outcome = pipeline.write(failure);
+  const BakeOutcome outcome = pipeline.write(failure, key);
   record_completed_bake(folder.path(), key, outcome);
   return outcome;
 }

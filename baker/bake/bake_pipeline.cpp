@@ -1,12 +1,12 @@
 #include "baker/bake/bake_pipeline.h"
 
+#include "baker/bake/cached_frames.h"
 #include "baker/bake/rendered_frames.h"
 #include "baker/job/used_values.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/gates.h"
 #include "baker/output/leaps.h"
-#include "baker/output/stale_files.h"
 #include "baker/output/summary.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -105,7 +105,6 @@ bool BakePipeline::render(StopRequest& stop) {
     files_.failures.try_write(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")),
                               [&] { render_group(group, stop); });
   }
-  for (const auto& recorder : recorders_) recorder->finish();
   return !stop.is_time_up();
 }
 
@@ -200,11 +199,17 @@ std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) con
   return hex(content_hash(key));
 }
 
-BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
+BakeOutcome BakePipeline::write(const std::optional<Error>& failure, const std::string& key) {
   const StageClock::Part part(context_.clock, Stage::certificate);
   const BakePlan& plan = context_.plan;
+  const std::string cache_key = key + plan.simulation_hash;  // which another attempt has not
+  if (failure && are_longer_caches_there(files_.folder(), cache_key, caches_.frames_added()))
+    leave_longer_caches(*failure);
+  for (const auto& recorder : recorders_) recorder->finish();
   const std::size_t maps = files_.written().size();
-  certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
+  const std::vector<std::size_t> in_cache =
+      caches_.finish({certificate_.lines_of_sheets(), certificate_.handles});
+  certificate_.finalize(in_cache);
   files_.move_to_front_after(maps);
   if (const std::string where = describe(find_leaps(certificate_.frames(), plan)); !where.empty())
     context_.progress.warning(where);
@@ -229,17 +234,39 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   write_certificate(outcome, failure);
   outcome.files = files_.written();
 
-  std::vector<std::filesystem::path> all = files_.written();
-  all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
-  const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
-  files_.failures.try_write(".state/written", [&] {
-    const auto removed = replace_outputs(files_.folder(), plan.name, all, stale, keys_);
-    if (const std::string told = describe_removed(removed); !told.empty())
-      context_.progress.message(told);
+  list_outputs(files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep);
+  files_.failures.try_write(".state/cached", [&] {
+    const bool is_counted = context_.settings.formats.count("abc") > 0;
+    record_cached_frames(files_.folder(), cache_key,
+                         is_counted ? in_cache : caches_.frames_added());
   });
   if (const auto failed = final_error(failure)) throw *failed;
   remove_rendered_frames(files_.folder() / ".state");
   return outcome;
+}
+
+/// Notes which files this bake has written, and removes those of the bake before that it replaces.
+void BakePipeline::list_outputs(StaleFiles stale) {
+  std::vector<std::filesystem::path> all = files_.written();
+  all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
+  files_.failures.try_write(".state/written", [&] {
+    const auto removed = replace_outputs(files_.folder(), context_.plan.name, all, stale, keys_);
+    if (const std::string told = describe_removed(removed); !told.empty())
+      context_.progress.message(told);
+  });
+}
+
+/// The certificate that is there belongs to those caches, and so does the final map.
+void BakePipeline::leave_longer_caches(const Error& failure) {
+  for (const auto& recorder : recorders_) {
+    recorder->drop_final_map();
+    recorder->finish();
+  }
+  list_outputs(StaleFiles::keep);
+  const Error error = *final_error(failure);
+  throw Error(
+      error.code, error.place, error.cause,
+      "The files of the bake before stay, because its caches have more frames. " + error.remedy);
 }
 
 /// Certificate and lock file; the summary last, which holds the hashes of all other files.

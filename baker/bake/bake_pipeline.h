@@ -6,6 +6,7 @@
 #include "baker/bake/sheet_recorder.h"
 #include "baker/bake/stop_request.h"
 #include "baker/bake/twin.h"
+#include "baker/output/stale_files.h"
 #include "core/model/error.h"
 
 #include <filesystem>
@@ -49,10 +50,13 @@ class BakePipeline {
   /// stop  when its time is up, the frames that are not rendered yet are left out
   /// returns  whether all were rendered
   bool render(StopRequest& stop);
+  /// After a failure, caches of the same bake that are there already and have more frames stay, and
+  /// with them all files that belong to them.
   /// failure  what ended the simulation
+  /// key      of the bake (bake_key)
   /// throws   when something failed: that, or the first file that could not be written; with what
   ///          is kept all the same
-  BakeOutcome write(const std::optional<Error>& failure);
+  BakeOutcome write(const std::optional<Error>& failure, const std::string& key);
 
   BakeFiles& files() { return files_; }
   StageClock& clock() { return *context_.clock; }
@@ -67,6 +71,8 @@ class BakePipeline {
                      StopRequest&);
   void hand_on(const std::vector<std::size_t>& sheets, std::vector<RenderedSheet>&);
   std::string render_key(const std::vector<std::size_t>& sheets) const;
+  [[noreturn]] void leave_longer_caches(const Error& failure);
+  void list_outputs(StaleFiles);
   void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 

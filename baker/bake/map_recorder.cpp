@@ -1,6 +1,7 @@
 #include "baker/bake/map_recorder.h"
 
 #include "core/geometry/curvature.h"
+#include "formats/files/atomic_file.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -38,22 +39,31 @@ void MapRecorder::consume(const AnimatedFrame& frame) {
 
 void MapRecorder::draw_final() {
   if (!last_frame_) return;
-  write_map("final");
+  final_.bytes = std::make_shared<std::string>();
+  final_.drawn = start(
+      [exr = final_.bytes](const CreaseMap& map, const MapInfo& of) { *exr = map.file_bytes(of); });
   if (!bake_.caches.show_maps()) return;
-  picture_.png = std::make_shared<std::string>();
-  picture_.drawn = start([png = picture_.png](const CreaseMap& map, const MapInfo& of) {
+  picture_.bytes = std::make_shared<std::string>();
+  picture_.drawn = start([png = picture_.bytes](const CreaseMap& map, const MapInfo& of) {
     *png = png_bytes(map.picture(of));
   });
 }
+
+void MapRecorder::drop_final() { final_ = picture_ = {}; }
 
 void MapRecorder::finish() {
   for (const File& file : files_)
     bake_.files.write(file.name, [&](const auto&) { file.written.get(); });
   files_.clear();
-  if (!picture_.png) return;
+  if (final_.bytes)
+    bake_.files.write(file_name("final"), [&](const auto& path) {
+      final_.drawn.get();
+      write_atomically(path, *final_.bytes);
+    });
+  if (!picture_.bytes) return;
   picture_.drawn.get();
   bake_.caches.add_map(bake_.plan.shots[sheet_].sheet_name + ": creases and singular points",
-                       *picture_.png);
+                       *picture_.bytes);
 }
 
 void MapRecorder::discard() {
@@ -61,7 +71,7 @@ void MapRecorder::discard() {
   for (const File& file : files_)
     if (*file.is_there) std::filesystem::remove(bake_.files.folder() / file.name, none);
   files_.clear();
-  picture_ = {};
+  drop_final();
 }
 
 /// Calls draw(map_ as it is now, info()) while the bake goes on.
@@ -73,9 +83,13 @@ std::shared_future<void> MapRecorder::start(const Draw& draw) {
       });
 }
 
+std::string MapRecorder::file_name(const std::string& frame) const {
+  return fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.plan.sheets[sheet_].file_suffix,
+                     frame);
+}
+
 void MapRecorder::write_map(const std::string& frame) {
-  const std::string name = fmt::format("maps/{}{}.{}.exr", bake_.plan.name,
-                                       bake_.plan.sheets[sheet_].file_suffix, frame);
+  const std::string name = file_name(frame);
   const auto is_there = std::make_shared<bool>(false);
   const auto write = [path = bake_.files.folder() / name, is_there](const CreaseMap& map,
                                                                     const MapInfo& of) {

@@ -20,9 +20,12 @@ class MapRecorder {
 
   /// To be called with every simulated frame; draws the map of a frame of --map-frames.
   void consume(const AnimatedFrame&);
-  /// After the last frame: draws the final map, and a picture of it for the caches.
+  /// After the last frame: draws the final map, and a picture of it for the caches. The map has no
+  /// file before finish().
   void draw_final();
-  /// Waits for all maps and lists them; hands the picture to the caches.
+  /// The final map and its picture are not written after all.
+  void drop_final();
+  /// Waits for all maps, writes the final one and lists them; hands the picture to the caches.
   void finish();
   /// Removes the maps that were written: what they show is not baked. None must be being drawn.
   void discard();
@@ -30,6 +33,7 @@ class MapRecorder {
  private:
   using Draw = std::function<void(const CreaseMap&, const MapInfo&)>;
   std::shared_future<void> start(const Draw&);
+  std::string file_name(const std::string& frame) const;
   void write_map(const std::string& frame);
   MapInfo info() const;
 
@@ -43,10 +47,12 @@ class MapRecorder {
     std::shared_ptr<bool> is_there;  // set by the task when the map is written
   };
   std::vector<File> files_;
-  struct Picture {
-    std::shared_ptr<std::string> png;  // null: none was asked for
+  /// Bytes of a file that is not written yet.
+  struct Drawing {
+    std::shared_ptr<std::string> bytes;  // null: none was asked for
     std::shared_future<void> drawn;
-  } picture_;
+  };
+  Drawing final_, picture_;  // EXR, PNG
 };
 
 }  // namespace paperbake

@@ -50,6 +50,10 @@ void SheetRecorder::draw_final_map() {
   if (maps_) maps_->draw_final();
 }
 
+void SheetRecorder::drop_final_map() {
+  if (maps_) maps_->drop_final();
+}
+
 void SheetRecorder::finish() {
   const StageClock::Part part(bake_.clock, Stage::maps);
   if (maps_) maps_->finish();

@@ -28,7 +28,9 @@ class SheetRecorder {
   void finish_simulation();
   /// After that: with several threads it is drawn while the sheet is rendered.
   void draw_final_map();
-  /// After rendering: waits for the maps.
+  /// After rendering: it is not written after all.
+  void drop_final_map();
+  /// At the end: waits for the maps.
   void finish();
   /// Instead of all that: removes the maps (MapRecorder::discard).
   void discard();

@@ -8,7 +8,7 @@ namespace paperbake {
 
 CacheWriters::CacheWriters(const std::set<std::string>& formats, const WriterInput& input,
                            BakeFiles& files)
-    : frames_(input.plan.frames), files_(files) {
+    : frames_(input.plan.frames), files_(files), frames_added_(input.plan.shots.size(), 0) {
   for (const OutputFormat& format : output_formats())
     if (format.has_frames && formats.count(format.name))
       writers_.push_back(maker_of_writer(format.name)(input));
@@ -36,6 +36,7 @@ FrameSpan CacheWriters::frames_shown() const {
 
 std::string CacheWriters::add_frame(std::size_t sheet, int number, const CacheFrame& frame) {
   std::string hash;
+  ++frames_added_.at(sheet);
   for (const auto& writer : writers_)
     files_.failures.try_write(writer->file(sheet), [&] {
       const std::string own = writer->add_frame(sheet, number, frame);

@@ -27,6 +27,8 @@ class CacheWriters {
   /// returns  hash of its positions in the .abc; empty when they are not in it
   std::string add_frame(std::size_t sheet, int frame, const CacheFrame&);
   void add_map(const std::string& caption, const std::string& png);
+  /// How many frames of each sheet were appended.
+  const std::vector<std::size_t>& frames_added() const { return frames_added_; }
 
   /// Completes the files and lists them.
   /// returns  how many frames of each sheet are in the file whose hashes add_frame returned
@@ -38,6 +40,7 @@ class CacheWriters {
   FrameSpan frames_;
   BakeFiles& files_;
   std::vector<std::unique_ptr<FrameWriter>> writers_;
+  std::vector<std::size_t> frames_added_;
 };
 
 }  // namespace paperbake

@@ -64,16 +64,18 @@ void CreaseMap::record(int frame, const Sheet& sheet, const Points3& curvature,
                 frame, same_crease * s.options.crease_width);
 }
 
-void CreaseMap::write(const std::filesystem::path& path, const MapInfo& info) const {
+std::string CreaseMap::file_bytes(const MapInfo& info) const {
   const CreaseMapOptions& options = state_->options;
   MapScene& scene = state_->scene;
   scene.frame = info.frame;
   scene.fps = info.fps;
   const MapScale scale{scene.side / scene.size, options.fold_width, options.crease_width};
-  write_atomically(path, encode_map(scene.size, options.layout, info, scale, options.threads,
-                                    [&](const MapRows& rows, MapTexel* texels) {
-                                      draw_map(scene, rows, texels);
-                                    }));
+  return encode_map(scene.size, options.layout, info, scale, options.threads,
+                    [&](const MapRows& rows, MapTexel* texels) { draw_map(scene, rows, texels); });
+}
+
+void CreaseMap::write(const std::filesystem::path& path, const MapInfo& info) const {
+  write_atomically(path, file_bytes(info));
 }
 
 Image CreaseMap::picture(const MapInfo& info) const {

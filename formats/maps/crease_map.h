@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 namespace paperbake {
 
@@ -86,8 +87,10 @@ class CreaseMap {
   /// throws     Error(ErrorCode::simulation) when one of them is not finite
   void record(int frame, const Sheet&, const Points3& curvature, const Points3& plastic = {});
 
-  /// Writes the map of the last recorded frame, with the history of all recorded frames, as an
-  /// AtomicFile. Ages are counted up to info.frame. throws Error(ErrorCode::folder)
+  /// The map of the last recorded frame, with the history of all recorded frames, as the bytes of
+  /// an EXR file. Ages are counted up to info.frame.
+  std::string file_bytes(const MapInfo&) const;
+  /// Writes it as an AtomicFile. throws Error(ErrorCode::folder)
   void write(const std::filesystem::path&, const MapInfo&) const;
 
   /// A picture of the same map for people, at most 1024 px wide: the pattern with its creases so

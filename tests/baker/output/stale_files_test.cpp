@@ -53,10 +53,10 @@ TEST_F(StaleFilesTest, ASecondBakeRemovesWhatOnlyTheFirstWroteAndNothingElse) {
   write(out / "report.html", "changed by the artist");
   bake_as({"--formats", "abc,cert"});
   EXPECT_EQ(files(), (std::set<std::string>{
-                         ".state/checkpoint.000002", ".state/done", ".state/lock", ".state/written",
-                         "S4_crumple.abc", "cert/frames.jsonl", "cert/handles.csv",
-                         "cert/summary.json", "job.lock.toml", "maps/S4_crumple.0007.exr",
-                         "notes.txt", "report.html", "singular.csv"}));
+                         ".state/cached", ".state/checkpoint.000002", ".state/done", ".state/lock",
+                         ".state/written", "S4_crumple.abc", "cert/frames.jsonl",
+                         "cert/handles.csv", "cert/summary.json", "job.lock.toml",
+                         "maps/S4_crumple.0007.exr", "notes.txt", "report.html", "singular.csv"}));
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
