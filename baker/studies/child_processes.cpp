@@ -83,6 +83,7 @@ std::filesystem::path this_program() {
 }
 
 bool run_processes(const std::vector<ProcessSpec>& processes, int max_running,
+                   const std::function<void(std::size_t)>& started,
                    const std::function<void(std::size_t, int)>& ended,
                    const std::function<bool()>& stop) {
   const std::string program = this_program();
@@ -93,8 +94,10 @@ bool run_processes(const std::vector<ProcessSpec>& processes, int max_running,
   while (!running.empty() || (next < processes.size() && !interrupted)) {
     for (;
          next < processes.size() && static_cast<int>(running.size()) < max_running && !interrupted;
-         ++next)
+         ++next) {
       running[start(program, processes[next], signals)] = next;
+      started(next);
+    }
     signals.wait();
     if (!interrupted && stop()) {
       interrupted = true;

@@ -24,6 +24,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <optional>
+#include <set>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -93,12 +94,25 @@ std::vector<std::string> result_columns() {
   return names;
 }
 
-Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
+/// What is varied and what it is in this variation.
+Json values_object(const Wedge& wedge, int index) {
   Json values = Json::object();
   const std::vector<std::string> texts = values_of(wedge.axes, index);
   for (std::size_t k = 0; k < texts.size(); ++k)
     values[wedge.axes[k].key] = literal(wedge.axes[k], texts[k]);
-  Json record{{"index", index}, {"values", values}, {"exit_code", nullptr}};
+  return values;
+}
+
+Json progress_record(const char* type, const Wedge& wedge, int index) {
+  return {{"type", type},
+          {"index", index},
+          {"variations", wedge.count()},
+          {"folder", wedge.folder(index).string()},
+          {"values", values_object(wedge, index)}};
+}
+
+Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
+  Json record{{"index", index}, {"values", values_object(wedge, index)}, {"exit_code", nullptr}};
   for (const std::string& name : result_columns()) record[name] = nullptr;
   record["job_hash"] = "";
   record["folder"] = wedge.name(index);
@@ -328,6 +342,37 @@ std::string describe_variation(const Wedge& wedge, int index) {
   const std::string message = record.value("message", "");
   return line + fmt::format(": exit code {}", json_line(record.value("exit_code", Json()))) +
          (message.empty() ? "" : "\n" + message);
+}
+
+std::string variation_start(const Wedge& wedge, int index) {
+  return json_line(progress_record("variation_start", wedge, index));
+}
+
+std::string variation_end(const Wedge& wedge, int index, int ended) {
+  const Json record = read_object(wedge.state(index, ".json"));
+  const std::string message = record.value("message", "");
+  Json told = progress_record("variation_end", wedge, index);
+  told["ended"] = ended;
+  told["exit_code"] = record.value("exit_code", Json());
+  told["error"] = message.empty() ? Json() : Json(message);
+  return json_line(told);
+}
+
+std::vector<std::string> folders_left(const Wedge& wedge) {
+  std::set<std::string> own;
+  for (int index = 1; index <= wedge.count(); ++index) own.insert(wedge.name(index));
+  std::vector<std::string> left;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(wedge.output / ".state", none)) {
+    const fs::path& lock = entry.path();  // which every variation has
+    const std::string name = lock.stem().string();
+    const bool is_number = name.find_first_not_of("0123456789") == std::string::npos;
+    if (lock.extension() == ".lock" && is_number && own.count(name) == 0 &&
+        fs::is_directory(wedge.output / name, none))
+      left.push_back(name);
+  }
+  std::sort(left.begin(), left.end());
+  return left;
 }
 
 void forget_end(const Wedge& wedge, int index) {

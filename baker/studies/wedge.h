@@ -39,6 +39,15 @@ int bake_variation(const Wedge&, int index, const std::function<bool()>& stop = 
 /// One line about a variation that came to an end: index, values, exit code or message.
 std::string describe_variation(const Wedge&, int index);
 
+/// Two JSON records (docs/progress.md): that a variation begins, and how it came to its end.
+/// ended  how many have, with it
+std::string variation_start(const Wedge&, int index);
+std::string variation_end(const Wedge&, int index, int ended);
+
+/// The names of the folders of variations that an earlier wedge has baked here and that are not
+/// part of this one.
+std::vector<std::string> folders_left(const Wedge&);
+
 /// Forgets how a variation ended, before it is baked again.
 void forget_end(const Wedge&, int index);
 

@@ -6,8 +6,11 @@
 #include "baker/studies/slurm.h"
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/json.h"
 
+#include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace paperbake {
 namespace {
@@ -23,6 +26,25 @@ std::vector<std::string> arguments_of_one(const std::vector<std::string>& argume
       ++k;
   }
   return kept;
+}
+
+/// A sentence; empty: there are none.
+std::string describe_left(const std::vector<std::string>& folders) {
+  constexpr std::size_t named = 8;
+  if (folders.empty()) return "";
+  const bool one = folders.size() == 1;
+  std::string text = fmt::format(
+      "Left from an earlier wedge and not part of this one: the folder{} {}", one ? "" : "s",
+      fmt::join(folders.begin(), folders.begin() + std::min(named, folders.size()), ", "));
+  if (folders.size() > named) text += fmt::format(" and {} more", folders.size() - named);
+  return text + ".";
+}
+
+/// Says the line that programs or people read, as --progress asks for.
+void tell(const Wedge& wedge, const std::string& json, const std::string& plain) {
+  if (wedge.common.progress == ProgressMode::none) return;
+  const std::string& line = wedge.common.progress == ProgressMode::json ? json : plain;
+  if (!line.empty()) say_line(line);
 }
 
 }  // namespace
@@ -42,14 +64,21 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
     processes.push_back(std::move(process));
   }
   int ended = 0;
+  const auto begin = [&](std::size_t number) {
+    tell(wedge, variation_start(wedge, static_cast<int>(number) + 1), "");
+  };
   const auto note = [&](std::size_t number, int code) {
     const int index = static_cast<int>(number) + 1;
     note_end(wedge, index, code);
     ++ended;
-    if (wedge.common.progress != ProgressMode::none)
-      say_line(fmt::format("{} of {}: {}", ended, wedge.count(), describe_variation(wedge, index)));
+    tell(wedge, variation_end(wedge, index, ended),
+         fmt::format("{} of {}: {}", ended, wedge.count(), describe_variation(wedge, index)));
   };
-  if (!run_processes(processes, max_running, note, stop)) return finish_wedge(wedge);
+  if (!run_processes(processes, max_running, begin, note, stop)) {
+    if (const std::string left = describe_left(folders_left(wedge)); !left.empty())
+      tell(wedge, json_line({{"type", "message"}, {"message", left}}), left);
+    return finish_wedge(wedge);
+  }
   throw Error(
       ErrorCode::stopped, wedge.output.string(),
       fmt::format("The bakes were stopped; {} of {} had come to an end.", ended, wedge.count()),

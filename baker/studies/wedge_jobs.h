@@ -9,7 +9,8 @@
 namespace paperbake {
 
 /// Bakes all variations, `max_running` at a time, each by a process of its own that this program
-/// starts with --index, and tells of each on stderr.
+/// starts with --index, and tells of each on stderr; at the end also of folders that an earlier
+/// wedge has left.
 /// arguments  of the command line that asked for the wedge
 /// returns  as finish_wedge does
 /// stop       as that of a bake

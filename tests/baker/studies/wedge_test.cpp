@@ -203,6 +203,55 @@ TEST_F(WedgeTest, TheTableIsShownWhereProgressIs) {
   EXPECT_NE(head[3].find(energy.str()), std::string::npos) << head[3] << energy.str();
 }
 
+TEST_F(WedgeTest, ProgramsAreToldOfEveryVariationInJson) {
+  const Ended ended = wedge(
+      {"--vary", "seed=1..2", "--vary", "max-stretch=1e-9,5", "--jobs", "2", "--progress", "json"});
+  ASSERT_EQ(ended.code, 4) << ended.err;
+  std::map<int, Json> begun, over;
+  int count = 0;
+  for (const std::string& line : lines_of(ended.err)) {
+    const Json record = Json::parse(line);
+    EXPECT_EQ(record.at("variations"), 4) << line;
+    const int index = record.at("index");
+    if (record.at("type") == "variation_start") {
+      EXPECT_TRUE(begun.emplace(index, record).second) << line;
+      continue;
+    }
+    EXPECT_EQ(record.at("type"), "variation_end");
+    EXPECT_EQ(begun.count(index), 1u) << "it begins before it ends";
+    EXPECT_EQ(record.at("ended"), ++count);
+    EXPECT_TRUE(record.at("error").is_null()) << line;
+    over[index] = record;
+  }
+  ASSERT_EQ(begun.size(), 4u) << ended.err;
+  ASSERT_EQ(over.size(), 4u) << ended.err;
+  EXPECT_EQ(begun[3].at("values"), (Json{{"seed", 2}, {"max_stretch", 1e-9}}));
+  EXPECT_EQ(begun[3].at("folder"), out("0003").string());
+  EXPECT_EQ(over[3].at("exit_code"), 4);
+  EXPECT_EQ(over[4].at("exit_code"), 0);
+}
+
+TEST_F(WedgeTest, FoldersOfAnEarlierWedgeAreNamedAndStay) {
+  const auto left = [&](const std::string& seeds, const char* progress) {
+    const Ended ended = wedge({"--vary", "seed=" + seeds, "--progress", progress});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    for (const std::string& line : lines_of(ended.err))
+      if (says(line, "earlier wedge")) return line;
+    return std::string();
+  };
+  EXPECT_EQ(left("1..4", "plain"), "");
+  fs::create_directories(out("0009"));  // somebody else's
+  const std::string sentence =
+      "Left from an earlier wedge and not part of this one: the folders 0003, 0004.";
+  EXPECT_EQ(left("1..2", "plain"), sentence);
+  EXPECT_EQ(Json::parse(left("1..2", "json")), (Json{{"type", "message"}, {"message", sentence}}));
+  EXPECT_EQ(left("1..2", "none"), "");
+  EXPECT_EQ(left("1..3", "plain"),
+            "Left from an earlier wedge and not part of this one: the folder 0004.");
+  EXPECT_TRUE(fs::exists(out("0004/S4_crumple.abc")));
+  EXPECT_EQ(left("1..4", "plain"), "");
+}
+
 TEST_F(WedgeTest, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
   const Words seeds{"--vary", "seed=1..2"};
   ASSERT_EQ(wedge(seeds).code, 0);
