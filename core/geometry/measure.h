@@ -53,7 +53,8 @@ inline double angle_between(const Vector3d& a, const Vector3d& b) {
 
 /// Angle from a to b about a unit vector that is normal to both, in (-pi, pi]. [rad]
 inline double angle_about(const Vector3d& axis, const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).dot(axis), a.dot(b));
+  const double sine = a.cross(b).dot(axis) + 0.0;  // no -0, of which the angle would be -pi
+  return std::atan2(sine, a.dot(b));
 }
 
 /// Largest |2 pi - sum of angles| over the inner vertices that are not singular points: 0 for a

@@ -136,6 +136,58 @@ TEST(MeasureTest, AngleDefectIgnoresTheBorder) {
   EXPECT_EQ(angle_defect_max(sheet), 0);
 }
 
+TEST(MeasureTest, TriangleNormalIsAUnitVectorOnTheSideFromWhichItIsCounterClockwise) {
+  const Vector3d a(1, 2, 3), b(1.1, 2, 3), c(1, 2.2, 3);
+  EXPECT_LT((triangle_normal(a, b, c) - Vector3d(0, 0, 1)).norm(), exact);
+  EXPECT_LT((triangle_normal(a, c, b) - Vector3d(0, 0, -1)).norm(), exact);
+  // a micrometre wide
+  EXPECT_LT((triangle_normal(a, b, a + 1e-6 * (c - a)) - Vector3d(0, 0, 1)).norm(), 1e-9);
+}
+
+TEST(MeasureTest, TriangleNormalIsZeroWhereThereIsNoArea) {
+  const Vector3d a(0.5, 0.25, 2), along(0.5, -1, 0.125), zero = Vector3d::Zero();
+  EXPECT_EQ(triangle_normal(a, a, a), zero);
+  EXPECT_EQ(triangle_normal(a, a + along, a), zero);
+  EXPECT_EQ(triangle_normal(a, a, a + along), zero);
+  EXPECT_EQ(triangle_normal(a, a + along, a + 2 * along), zero) << "three points of a line";
+  EXPECT_EQ(triangle_normal(a, a + along, a - along), zero);
+  // so small that the square of its area is none
+  const Vector3d tiny = triangle_normal(zero, Vector3d(1e-100, 0, 0), Vector3d(0, 1e-100, 0));
+  EXPECT_TRUE(tiny.allFinite());
+  EXPECT_LE(tiny.norm(), 1);
+}
+
+TEST(MeasureTest, AngleAboutAnAxisHasItsSign) {
+  const Vector3d axis(0, 0, 1), a(2, 0, 0);
+  for (const double angle : {-3.0, -0.1, 1e-9, 1.5, 3.1}) {
+    const Vector3d b(3 * std::cos(angle), 3 * std::sin(angle), 0);
+    EXPECT_NEAR(angle_about(axis, a, b), angle, exact);
+    EXPECT_NEAR(angle_about(-axis, a, b), -angle, exact);
+  }
+  EXPECT_EQ(angle_about(axis, a, a), 0);
+}
+
+TEST(MeasureTest, AngleAboutAnAxisIsPiForOppositeVectorsWhateverTheSignsOfZeros) {
+  for (const Vector3d& axis : {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(-0.0, -0.0, -1),
+                               Vector3d(-1, -0.0, 0), Vector3d(0, 1, -0.0), Vector3d(-0.0, -1, 0)})
+    for (int k = 0; k < 3; ++k) {
+      if (axis[k] != 0) continue;
+      const Vector3d a = Vector3d::Unit(k);
+      EXPECT_EQ(angle_about(axis, a, -a), M_PI) << axis.transpose() << ", " << k;
+      EXPECT_EQ(angle_about(axis, -a, a), M_PI) << axis.transpose() << ", " << k;
+    }
+}
+
+TEST(MeasureTest, AngleAboutNothingOrOfNothingIsANumber) {
+  const Vector3d zero = Vector3d::Zero(), a(1, 0, 0), b(0, 1, 0);
+  EXPECT_EQ(angle_about(zero, a, b), 0) << "no axis: between vectors at a right angle";
+  EXPECT_EQ(angle_about(zero, a, a), 0);
+  EXPECT_EQ(angle_about(zero, a, -a), M_PI);
+  EXPECT_EQ(angle_about(b, zero, a), 0);
+  EXPECT_EQ(angle_about(b, a, zero), 0);
+  EXPECT_EQ(angle_about(zero, zero, zero), 0);
+}
+
 TEST(MeasureTest, VertexNormalsOnACylinderPointAwayFromItsAxis) {
   const double h = 0.0025, R = 0.05;
   const Sheet sheet = rolled(h);

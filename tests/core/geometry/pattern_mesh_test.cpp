@@ -281,6 +281,15 @@ TEST(PatternMeshTest, TurnRotatesTheLattice) {
   for (const double turn : {0.0, 0.26, M_PI / 6}) EXPECT_GT(along(turn), 0.9) << turn;
 }
 
+TEST(PatternMeshTest, VerticesOfRequiredPointsAreRequiredAndNoOthers) {
+  PatternMesh mesh;
+  EXPECT_TRUE(are_required(mesh).empty()) << "a mesh of nothing";
+  mesh.vertices = Points2::Zero(4, 2);
+  EXPECT_EQ(are_required(mesh), (std::vector<char>{0, 0, 0, 0})) << "no point is required";
+  mesh.point_vertex = {3, 1, 3};
+  EXPECT_EQ(are_required(mesh), (std::vector<char>{0, 1, 0, 1})) << "two points share a vertex";
+}
+
 TEST(PatternMeshTest, SameInputGivesTheSameMesh) {
   for (const Shape& shape : shapes) {
     const std::vector<Vector2d> points = {{0.01, 0.011}, {0.02, 0.003}};
