@@ -213,6 +213,24 @@ TEST_F(ResumeTest, AFullDiskLosesNoSimulatedFrame) {
   expect_same("out", "whole");
 }
 
+TEST_F(ResumeTest, ADiskWithoutRoomForACheckpointKeepsNothingAndSaysSo) {
+  const Words often{"--checkpoint", "2", "--method", "fem", "--triangles", "200"};
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{8000, before.rlim_max};  // what the bake tells has room, a frame has not
+  setrlimit(RLIMIT_FSIZE, &small);
+  const Ended full = run(words("out", often, "1-6"));
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(full.code, 6);
+  ASSERT_LT(full.err.size(), small.rlim_cur);
+  EXPECT_NE(full.err.find("What was simulated could not be kept. Of what was asked for "
+                          "S4_crumple.abc has no frame;"),
+            std::string::npos)
+      << full.err;
+  EXPECT_EQ(full.err.find("are kept"), std::string::npos) << full.err;
+  EXPECT_EQ(simulated(run(words("out", often, "1-6"))), 6) << "that is so";
+}
+
 TEST_F(ResumeTest, AnUnwritableOutputFolderEndsWithSix) {
   EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb", "-o", "/proc/out", "--fps", "24"}),
                        6, "/proc/out", "cannot be made"));
