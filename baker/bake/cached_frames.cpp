@@ -9,19 +9,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path record_path(const fs::path& folder) { return folder / ".state" / "cached"; }
+fs::path path_of_cached(const fs::path& folder) { return folder / ".state" / "cached"; }
 
 }  // namespace
 
 void record_cached_frames(const fs::path& folder, const std::string& key,
                           const std::vector<std::size_t>& frames) {
-  write_atomically(record_path(folder), json_lines({{"key", key}, {"frames", frames}}));
+  write_atomically(path_of_cached(folder), json_lines({{"key", key}, {"frames", frames}}));
 }
 
 bool are_longer_caches_there(const fs::path& folder, const std::string& key,
                              const std::vector<std::size_t>& frames) {
   try {
-    const Json record = parse_json(read_file(record_path(folder)).value_or(""));
+    const Json record = parse_json(read_file(path_of_cached(folder)).value_or(""));
     const auto there = record.at("frames").get<std::vector<std::size_t>>();
     if (record.at("key") != key || there.size() != frames.size()) return false;
     bool longer = false;

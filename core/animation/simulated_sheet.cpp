@@ -55,13 +55,13 @@ void SimulatedSheet::carry_over(const Sheet& before) {
 }
 
 void SimulatedSheet::put_on(PatternMesh&& mesh) {
-  Snapshot before = snapshot();
+  const MeshSnapshot before = snapshot();
   try {
     fixed = are_required(mesh);
     sheet = on_other_mesh(before.sheet, std::move(mesh.vertices), std::move(mesh.triangles));
     carry_over(before.sheet);
   } catch (...) {
-    restore(std::move(before));
+    restore(before);
     throw;
   }
 }

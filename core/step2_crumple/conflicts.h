@@ -3,6 +3,7 @@
 #include "core/model/sheet.h"
 #include "core/step2_crumple/crumple_options.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace paperbake {
@@ -19,6 +20,7 @@ struct Conflicts {
   // nothing may be born and, below the thresholds, next to a singular point
   std::vector<double> core_weight = {};
   std::vector<char> severe = {};  // 1: so severe that only a singular point can take it
+  bool any() const { return std::count(exceeds.begin(), exceeds.end(), 1) > 0; }
 };
 /// Finds the conflicts of a sheet.
 /// curvature  |V|x3 [1/m] Sxx, Sxy, Syy of the vertices

@@ -8,6 +8,7 @@
 #include "core/step2_crumple/conflicts.h"
 #include "core/step2_crumple/edge_flips.h"
 #include "core/step2_crumple/find_fold_lines.h"
+#include "core/step2_crumple/lone_cone.h"
 #include "core/step2_crumple/singular_points.h"
 #include "core/step2_crumple/vertex_insertion.h"
 
@@ -150,7 +151,8 @@ std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& r
 }
 
 bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
-                         const std::vector<char>& fixed, int frame) {
+                         const std::optional<Vector2d>& apex, const std::vector<char>& fixed,
+                         int frame) {
   // the worst vertex and those around it are one conflict
   constexpr double around = 1.2;  // [1] of the size of the ring; assumed
   std::vector<int> members;
@@ -160,10 +162,10 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
     if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
       members.push_back(v);
   const auto event = static_cast<std::uint32_t>(sheet.singular.size());
-  const auto p = draw_singular_point(
-      sheet, pattern_, paper_,
-      {middle_of_conflict(sheet, conflicts, members), min_spacing(pattern_, paper_, options_)},
-      options_, {seed_, sheet_, event});
+  const auto p = draw_singular_point(sheet, pattern_, paper_,
+                                     {apex ? *apex : middle_of_conflict(sheet, conflicts, members),
+                                      min_spacing(pattern_, paper_, options_)},
+                                     options_, {seed_, sheet_, event});
   if (!p) return false;
   Sheet grown = sheet;
   const int born = insert_vertex(grown, *p, fixed);
@@ -182,14 +184,18 @@ CrumpleReport Crumple::step_smooth(Sheet& sheet, const std::vector<char>& fixed,
                                    const FrameTime& now, double travel) {
   CrumpleReport report;
   const Hinges hinges = find_hinges(sheet.triangles);
-  const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), fixed, options_);
+  const Points3 curvature = vertex_curvature(sheet);
+  Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
+  std::optional<Vector2d> apex;
+  if (conflicts.any()) apex = apex_of_lone_cone(sheet, pattern_, curvature);
+  if (apex && is_apex_taken(sheet, fixed, *apex)) conflicts.exceeds.assign(sheet.pattern.rows(), 0);
   const std::vector<int> due = due_for_birth(
       sheet, VertexRings(sheet.triangles, hinges, sheet.pattern.rows()), conflicts, travel);
   if (static_cast<int>(sheet.singular.size()) < options_.max_points &&
       sheet.triangles.rows() + 2 <= options_.max_triangles)
     // the first conflict that has room for a singular point
     report.births = std::any_of(due.begin(), due.end(), [&](int worst) {
-      return give_birth(sheet, worst, conflicts, fixed, now.frame);
+      return give_birth(sheet, worst, conflicts, apex, fixed, now.frame);
     });
   constexpr double rounding = 1e-3;  // [frames] times that differ by less are equal
   const auto periods = [&](double time) {

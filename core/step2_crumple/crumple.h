@@ -100,8 +100,10 @@ class Crumple {
   /// Updates the pending conflicts. A conflict counts once it has persisted.
   /// returns  vertices at which it has, the worst first
   std::vector<int> due_for_birth(const Sheet&, const VertexRings&, const Conflicts&, double travel);
-  /// Makes a singular point where the conflict around a vertex is, if there is room for one.
-  bool give_birth(Sheet&, int worst, const Conflicts&, const std::vector<char>& fixed, int frame);
+  /// Makes a singular point at the apex of the sheet, or else where the conflict around a vertex
+  /// is, if there is room for one.
+  bool give_birth(Sheet&, int worst, const Conflicts&, const std::optional<Vector2d>& apex,
+                  const std::vector<char>& fixed, int frame);
 
   LastingPlaces pending_;  // conflicts
   CrumpledMesh crumpled_;

@@ -512,6 +512,14 @@ TEST_F(AttemptsTest, WhereOnlyCollidersMoveThereIsOneOnEachMesh) {
   EXPECT_EQ(meshes("given", {"--base-triangles", "60"}), (std::vector<int>{60, 60}));
 }
 
+TEST_F(AttemptsTest, ADiscThatAFingerPushesIntoARingIsOneConeWithoutOtherPoints) {
+  for (const std::string seed : {"0", "2"}) {
+    const Ended ended = run(shot("S15_cone", "out" + seed, {"--seed", seed}));
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(summary("out" + seed).at("singular"), 0) << "the finger holds the apex";
+  }
+}
+
 TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheAttemptThatWasChosen) {
   run(crumple("whole", {}));
   const int before = times(read(folder / "stderr.txt"), "is tried");

@@ -43,7 +43,7 @@ TEST_F(SimulatedSheetTest, IsPutOnAFinerMeshWhereItIs) {
 }
 
 TEST_F(SimulatedSheetTest, StaysAsItWasWhereItCannotBePutOnAMesh) {
-  const SimulatedSheet::Snapshot before = simulated_.snapshot();
+  const SimulatedSheet::MeshSnapshot before = simulated_.snapshot();
   ASSERT_GT(before.sheet.x.rows(), 0);
   EXPECT_THROW(simulated_.put_on(faulty_mesh()), Error);
   EXPECT_TRUE(same_entries(simulated_.sheet.x, before.sheet.x));
