@@ -350,9 +350,19 @@ bool is_between_two_drawn(const Segment2& line, const Pattern& pattern) {
 
 /// Adds the frames in which other hands fold along a line that is known, and the first ones do not
 /// hold.
-void add_turn(ExpectedCrease& crease, const FoldAxis& axis) {
+void add_turn(ExpectedCrease& crease, const ExpectedCrease& other) {
   for (std::size_t row = 0; row < crease.turn.size(); ++row)
-    if (std::isnan(crease.turn[row])) crease.turn[row] = axis.turn[row];
+    if (std::isnan(crease.turn[row])) crease.turn[row] = other.turn[row];
+}
+
+/// Whether two pairs of hands that turn about one line of the pattern fold different layers: a fold
+/// that is shut by then lies between them.
+bool are_on_other_layers(const ExpectedCrease& one, const ExpectedCrease& two,
+                         const std::vector<ExpectedCrease>& folds) {
+  return std::any_of(folds.begin(), folds.end(), [&](const ExpectedCrease& fold) {
+    const std::optional<double> met = meeting({one.between, two.between}, fold.line);
+    return met && *met > 0 && *met < 1 && is_shut_before(fold, one) && is_shut_before(fold, two);
+  });
 }
 
 bool is_same_line(const Segment2& a, const Segment2& b, double side) {
@@ -362,48 +372,79 @@ bool is_same_line(const Segment2& a, const Segment2& b, double side) {
   return near(a.a) && near(a.b);
 }
 
+/// The lines about which clamps turn, as often as two of them do.
+std::vector<ExpectedCrease> parts_of_axes(const Clamps& clamps, const Shot& shot) {
+  using By = ExpectedCrease::By;
+  std::vector<ExpectedCrease> found;
+  const std::vector<FoldAxis> axes = axes_of(clamps);
+  for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
+    for (const FoldAxis& axis : axes)
+      for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot))
+        if (is_between(part, axis, clamps, shot.pattern, by_what))
+          found.push_back({part,
+                           {},
+                           {},
+                           {},
+                           axis.other->is_plate ? By::two_plates : By::plate_and_row,
+                           axis.turn,
+                           axis.between,
+                           {},
+                           axis.plate->handles,
+                           axis.other->handles});
+  return found;
+}
+
+/// Each line once, and once more for every layer between these folds in which hands turn about it.
+std::vector<ExpectedCrease> one_of_each_line(const std::vector<ExpectedCrease>& found,
+                                             const std::vector<ExpectedCrease>& folds,
+                                             double side) {
+  std::vector<ExpectedCrease> lines;
+  for (const ExpectedCrease& crease : found) {
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const ExpectedCrease& known) {
+      return is_same_line(known.line, crease.line, side) &&
+             !are_on_other_layers(known, crease, folds);
+    });
+    if (same != lines.end())
+      add_turn(*same, crease);
+    else
+      lines.push_back(crease);
+  }
+  return lines;
+}
+
+/// Those of the creases along which the paper between their own clamps turns.
+std::vector<ExpectedCrease> without_those_beyond(std::vector<ExpectedCrease> creases,
+                                                 const Clamps& clamps, const Pattern& pattern) {
+  const std::vector<ExpectedCrease> all = creases;
+  const auto is_none = [&](const ExpectedCrease& crease) {
+    const auto cuts_off = [&](const ExpectedCrease& nearer) {
+      return is_beyond(crease, nearer, clamps, pattern);
+    };
+    return is_between_two_drawn(crease.line, pattern) ||
+           std::any_of(all.begin(), all.end(), cuts_off);
+  };
+  creases.erase(std::remove_if(creases.begin(), creases.end(), is_none), creases.end());
+  return creases;
+}
+
 }  // namespace
 
 std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_frame) {
   Shot shot = as_keyed;
   shot.handles = with_known_places(std::move(shot.handles), shot.start, first_frame);
   const Clamps clamps(shot, first_frame);
-  using By = ExpectedCrease::By;
-  std::vector<ExpectedCrease> expected;
+  const std::vector<ExpectedCrease> found = parts_of_axes(clamps, shot);
+  // which layers there are is known from the folds themselves
+  std::vector<ExpectedCrease> expected =
+      without_those_beyond(one_of_each_line(found, {}, clamps.side()), clamps, shot.pattern);
+  expected =
+      without_those_beyond(one_of_each_line(found, expected, clamps.side()), clamps, shot.pattern);
+  join_ends(expected, 0, shot.pattern);
   const auto known = [&](const Segment2& line) {
     return std::find_if(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
       return is_same_line(known.line, line, clamps.side());
     });
   };
-  const std::vector<FoldAxis> axes = axes_of(clamps);
-  for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
-    for (const FoldAxis& axis : axes)
-      for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot))
-        if (!is_between(part, axis, clamps, shot.pattern, by_what))
-          continue;
-        else if (const auto same = known(part); same != expected.end())
-          add_turn(*same, axis);
-        else
-          expected.push_back({part,
-                              {},
-                              {},
-                              {},
-                              axis.other->is_plate ? By::two_plates : By::plate_and_row,
-                              axis.turn,
-                              axis.between,
-                              {},
-                              axis.plate->handles,
-                              axis.other->handles});
-  const std::vector<ExpectedCrease> all = expected;
-  const auto is_none = [&](const ExpectedCrease& crease) {
-    const auto cuts_off = [&](const ExpectedCrease& nearer) {
-      return is_beyond(crease, nearer, clamps, shot.pattern);
-    };
-    return is_between_two_drawn(crease.line, shot.pattern) ||
-           std::any_of(all.begin(), all.end(), cuts_off);
-  };
-  expected.erase(std::remove_if(expected.begin(), expected.end(), is_none), expected.end());
-  join_ends(expected, 0, shot.pattern);
   const auto add = [&](std::vector<ExpectedCrease> more) {
     const std::size_t before = expected.size();
     for (ExpectedCrease& crease : more)

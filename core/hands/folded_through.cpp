@@ -34,15 +34,6 @@ double way_to_border(const Pattern& pattern, const Vector2d& p, const Vector2d& 
   return least;
 }
 
-/// Whether a fold is shut before the hands of another line begin to turn.
-bool is_shut_before(const ExpectedCrease& fold, const ExpectedCrease& hands) {
-  const auto size = [](double turn) { return std::isnan(turn) ? 0 : std::abs(turn); };
-  const auto most = std::max_element(hands.turn.begin(), hands.turn.end(),
-                                     [&](double a, double b) { return size(a) < size(b); });
-  const int begin = begin_of_turn(hands.turn, static_cast<int>(most - hands.turn.begin()));
-  return std::cos(turn_at(fold.turn, begin)) < 0;
-}
-
 /// Paper that lies double, as lines of hands find it.
 class Layers {
  public:
@@ -104,6 +95,14 @@ class Layers {
 };
 
 }  // namespace
+
+bool is_shut_before(const ExpectedCrease& fold, const ExpectedCrease& hands) {
+  const auto size = [](double turn) { return std::isnan(turn) ? 0 : std::abs(turn); };
+  const auto most = std::max_element(hands.turn.begin(), hands.turn.end(),
+                                     [&](double a, double b) { return size(a) < size(b); });
+  const int begin = begin_of_turn(hands.turn, static_cast<int>(most - hands.turn.begin()));
+  return std::cos(turn_at(fold.turn, begin)) < 0;
+}
 
 std::vector<ExpectedCrease> lead_through_layers(std::vector<ExpectedCrease>& creases,
                                                 const Pattern& pattern) {

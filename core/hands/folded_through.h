@@ -6,6 +6,9 @@
 
 namespace paperbake {
 
+/// Whether a fold is shut before the hands of another line begin to turn.
+bool is_shut_before(const ExpectedCrease& fold, const ExpectedCrease& hands);
+
 /// Leads lines on through paper that lies double. Where the line of two hands meets another fold
 /// that was more shut than open when they began, it does not go straight on: the layer beyond that
 /// fold lies upside down on the one that the hands turn, and is folded along the mirror image of

@@ -665,9 +665,9 @@ TEST(ExpectedCreasesTest, HandsTurnDownACornerOfADoubledSheet) {
   EXPECT_LT(stretch, 0.01);
 }
 
-TEST(ExpectedCreasesTest, HandsTurnDownBothCornersOfADoubledSheet) {
-  // where the extension of the first line counted as a fold, half of the second one was pressed the
-  // wrong way, and handles were 50 mm behind
+/// A sheet that is folded in half and has both of its corners turned down after that, one after the
+/// other, by lines that are so far apart where they meet the first fold [m].
+Shot doubled_corners(double apart) {
   const double fold_end = 1.0 / 3, middle = 0.105;
   const auto share = [=](double s, double begin) {
     return std::clamp((s - begin) / fold_end, 0.0, 1.0);
@@ -678,7 +678,7 @@ TEST(ExpectedCreasesTest, HandsTurnDownBothCornersOfADoubledSheet) {
   std::vector<Plate> plates{{{{0.03, 0.01}, {0.118, 0.01}, {0.09, 0.06}}, still},
                             {{{0.03, 0.2}, {0.118, 0.2}, {0.09, 0.15}}, half}};
   for (const double side : {-1.0, 1.0}) {
-    const double x = 0.074 + 0.002 * side;
+    const double x = 0.074 + 0.5 * apart * side;
     const auto corner = [=](double s) {
       return Eigen::Translation3d(0, 0, 0.0006) *
              turned(side * share(s, side < 0 ? fold_end : 2 * fold_end) * 170 * degrees,
@@ -693,7 +693,26 @@ TEST(ExpectedCreasesTest, HandsTurnDownBothCornersOfADoubledSheet) {
     plates.push_back({points(-1), corner});
     plates.push_back({points(1), [=](double s) { return corner(s) * half(s); }});
   }
-  Shot shot = held(test::rectangle(0.148, 0.210), plates);
+  return held(test::rectangle(0.148, 0.210), plates);
+}
+
+TEST(ExpectedCreasesTest, LinesOfTwoCornersThatMeetAtOnePointAreFour) {
+  // each is the straight continuation of the one of the other corner in the other layer
+  for (const double apart : {0.004, 0.0}) {
+    const std::vector<ExpectedCrease> lines = lines_of(doubled_corners(apart));
+    EXPECT_EQ(lines.size(), 5U);
+    for (const double side : {-1.0, 1.0})
+      for (const double y : {-1.0, 1.0})
+        EXPECT_TRUE(line_between(lines, {0.074 + 0.5 * apart * side, 0.105},
+                                 {0.074 + 0.074 * side, 0.105 + y * (0.074 - 0.5 * apart)}, 1e-3))
+            << apart << " " << side << " " << y;
+  }
+}
+
+TEST(ExpectedCreasesTest, HandsTurnDownBothCornersOfADoubledSheet) {
+  // where the extension of the first line counted as a fold, half of the second one was pressed the
+  // wrong way, and handles were 50 mm behind
+  Shot shot = doubled_corners(0.004);
   add_expected_creases(shot, lines_of(shot));
   AnimateOptions options;
   options.last_frame = frames;
