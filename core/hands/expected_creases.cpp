@@ -203,16 +203,43 @@ bool holds_while_folded(const Clamp& clamp, const FoldAxis& axis, const Clamps& 
   return false;
 }
 
-/// Whether a part of the line of an axis separates the two clamps, and no other clamp keeps the
-/// paper flat across it while they fold it. The line separates flaps beside each other that fold
-/// together.
-bool is_between(const Segment2& part, const FoldAxis& axis, const Clamps& clamps,
-                const Pattern& pattern, CutPattern::By by) {
+/// The mirror image of a point in the straight line through a segment.
+Vector2d mirror_image(const Vector2d& p, const Segment2& line) {
+  const Vector2d along = (line.b - line.a).normalized(), off = p - line.a;
+  return line.a + 2 * along.dot(off) * along - off;
+}
+
+/// Where a point of the pattern lies in the layer that hands turn: it goes there through the folds
+/// that are shut by then, from one layer to the next.
+Vector2d in_layer_of(const ExpectedCrease& hands, Vector2d p,
+                     const std::vector<ExpectedCrease>& folds) {
+  constexpr int most_layers = 16;
+  for (int layer = 0; layer < most_layers; ++layer) {
+    double farthest = 0;  // [1] of the way from the hands to p
+    const ExpectedCrease* next = nullptr;
+    for (const ExpectedCrease& fold : folds)
+      if (const auto met = meeting({hands.between, p}, fold.line);
+          met && *met > farthest && *met < 1 && is_shut_before(fold, hands)) {
+        farthest = *met;
+        next = &fold;
+      }
+    if (!next) break;
+    p = mirror_image(p, next->line);
+  }
+  return p;
+}
+
+/// Whether the line of two hands separates their clamps, and no other clamp keeps the paper flat
+/// across it while they fold it. The line separates flaps beside each other that fold together.
+/// folds  that are known
+bool is_between(const ExpectedCrease& hands, const FoldAxis& axis, const Clamps& clamps,
+                const Pattern& pattern, CutPattern::By by,
+                const std::vector<ExpectedCrease>& folds) {
   using By = CutPattern::By;
-  const CutPattern cut(pattern, part);
+  const CutPattern cut(pattern, hands.line);
   const auto side_of = [&](const Clamp& clamp, By how) {
     std::vector<Vector2d> points;
-    for (const int h : clamp.handles) points.push_back(clamps.place(h));
+    for (const int h : clamp.handles) points.push_back(in_layer_of(hands, clamps.place(h), folds));
     return cut.side_of(points, how);
   };
   return side_of(*axis.plate, by) * side_of(*axis.other, by) < 0 &&
@@ -373,24 +400,28 @@ bool is_same_line(const Segment2& a, const Segment2& b, double side) {
 }
 
 /// The lines about which clamps turn, as often as two of them do.
-std::vector<ExpectedCrease> parts_of_axes(const Clamps& clamps, const Shot& shot) {
+/// folds  that are known
+std::vector<ExpectedCrease> lines_of_hands(const Clamps& clamps, const Shot& shot,
+                                           const std::vector<ExpectedCrease>& folds) {
   using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> found;
   const std::vector<FoldAxis> axes = axes_of(clamps);
   for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
     for (const FoldAxis& axis : axes)
-      for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot))
-        if (is_between(part, axis, clamps, shot.pattern, by_what))
-          found.push_back({part,
-                           {},
-                           {},
-                           {},
-                           axis.other->is_plate ? By::two_plates : By::plate_and_row,
-                           axis.turn,
-                           axis.between,
-                           {},
-                           axis.plate->handles,
-                           axis.other->handles});
+      for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot)) {
+        ExpectedCrease crease{part,
+                              {},
+                              {},
+                              {},
+                              axis.other->is_plate ? By::two_plates : By::plate_and_row,
+                              axis.turn,
+                              axis.between,
+                              {},
+                              axis.plate->handles,
+                              axis.other->handles};
+        if (is_between(crease, axis, clamps, shot.pattern, by_what, folds))
+          found.push_back(std::move(crease));
+      }
   return found;
 }
 
@@ -433,12 +464,16 @@ std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_fra
   Shot shot = as_keyed;
   shot.handles = with_known_places(std::move(shot.handles), shot.start, first_frame);
   const Clamps clamps(shot, first_frame);
-  const std::vector<ExpectedCrease> found = parts_of_axes(clamps, shot);
+  const auto lines_between = [&](const std::vector<ExpectedCrease>& folds) {
+    const std::vector<ExpectedCrease> found = lines_of_hands(clamps, shot, folds);
+    return without_those_beyond(one_of_each_line(found, folds, clamps.side()), clamps,
+                                shot.pattern);
+  };
   // which layers there are is known from the folds themselves
-  std::vector<ExpectedCrease> expected =
-      without_those_beyond(one_of_each_line(found, {}, clamps.side()), clamps, shot.pattern);
-  expected =
-      without_those_beyond(one_of_each_line(found, expected, clamps.side()), clamps, shot.pattern);
+  std::vector<ExpectedCrease> folds = lines_between({});
+  const std::vector<ExpectedCrease> in_other_layers = lead_through_layers(folds, shot.pattern);
+  folds.insert(folds.end(), in_other_layers.begin(), in_other_layers.end());
+  std::vector<ExpectedCrease> expected = lines_between(folds);
   join_ends(expected, 0, shot.pattern);
   const auto known = [&](const Segment2& line) {
     return std::find_if(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {

@@ -633,6 +633,20 @@ TEST(ExpectedCreasesTest, ACornerOfADoubledSheetIsTurnedDownAlongALineAndItsMirr
     }
 }
 
+TEST(ExpectedCreasesTest, AHandThatHoldsTheOtherCornerOfADoubledSheetIsNotInTheWay) {
+  // straight on beyond the first fold, where the lines do not go, they would cut through the hand
+  std::vector<Plate> plates = doubled_corner(45 * degrees, true);
+  for (const Vector2d& p : {Vector2d(0.144, 0.006), Vector2d(0.144, 0.05), Vector2d(0.1, 0.006)}) {
+    plates[0].points.push_back({p.x(), 0.105 - p.y()});
+    plates[1].points.push_back({p.x(), 0.105 + p.y()});
+  }
+  const std::vector<ExpectedCrease> lines = lines_of(held(test::rectangle(0.148, 0.210), plates));
+  EXPECT_EQ(lines.size(), 3U);
+  const Vector2d middle(0.074, 0.105);
+  EXPECT_TRUE(line_between(lines, middle, {0, 0.031}, 1e-3));
+  EXPECT_TRUE(line_between(lines, middle, {0, 0.179}, 1e-3));
+}
+
 TEST(ExpectedCreasesTest, ALineAcrossAShutFoldAtARightAngleGoesStraightOn) {
   const double x = 0.05;  // [m]
   std::vector<Plate> plates = doubled_corner(45 * degrees, false);
