@@ -186,7 +186,7 @@ CrumpleReport Crumple::step_smooth(Sheet& sheet, const std::vector<char>& fixed,
   const Hinges hinges = find_hinges(sheet.triangles);
   const Points3 curvature = vertex_curvature(sheet);
   Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  std::optional<Vector2d> apex;
+  std::optional<Vector2d> apex;  // to which all conflicts belong
   if (conflicts.any()) apex = apex_of_lone_cone(sheet, pattern_, curvature);
   if (apex && is_apex_taken(sheet, fixed, *apex)) conflicts.exceeds.assign(sheet.pattern.rows(), 0);
   const std::vector<int> due = due_for_birth(
