@@ -12,8 +12,9 @@ namespace paperbake {
 /// all of its paper bends about lines through one point. How well it does is the mean of
 /// cos^2(angle between such a line and the direction across the ruling), weighted with the bending
 /// |k1| dA. It is 0 on a cone and 1/2 where rulings have any direction; no more than a quarter
-/// counts as a cone. (A disc in a ring: 0.05 to 0.12 on 120 triangles; the samples S0, S4, S8, S12
-/// and S14 before they crumple: 0.41 to 0.68.)
+/// counts as a cone. (A disc in a ring, about the points of its finger: 0.05 to 0.12 on 120
+/// triangles. The samples S0, S4, S8, S12 and S14 before they crumple, about each of their held and
+/// singular points: 0.41 to 0.68.)
 ///
 /// Where all of the sheet is one cone, bending in two directions beside its apex is the error of
 /// the mesh: near the apex the triangles around a vertex span rulings of both signs.
