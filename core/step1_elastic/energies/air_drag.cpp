@@ -9,8 +9,9 @@
 namespace paperbake {
 namespace {
 
-constexpr double along = 0.02;  // [1] C_f
-constexpr double still = 1e-9;  // [m/s]
+constexpr double still = 1e-9;          // [m/s]
+constexpr double viscosity = 1.81e-5;   // [Pa s] of air at 15 C
+constexpr double least_reynolds = 100;  // [1] for smaller ones the boundary layer is not thin
 
 /// Integral of sqrt((1 - c)/c) from 0 to c.
 double pressure_up_to(double c) { return std::sqrt(c * (1 - c)) + std::asin(std::sqrt(c)); }
@@ -44,18 +45,24 @@ std::vector<Plate> plates_of(const Air& air, const Sheet& sheet, double time) {
   return plates;
 }
 
+/// Friction coefficient of a plate, both sides, by its Reynolds number.
+double friction_along(double reynolds) {
+  return 2 * 1.328 / std::sqrt(std::max(reynolds, least_reynolds));
+}
+
 /// Sets the pressure of the plates by how far behind the leading edge of the sheet they are.
-void find_leading_edge(std::vector<Plate>& plates, const Points3& x) {
+/// returns  [m2/s] speed of the air along the sheet times the way that it has along it
+double find_leading_edge(std::vector<Plate>& plates, const Points3& x) {
   Vector3d along_sheet = Vector3d::Zero();
   for (const Plate& p : plates) along_sheet += p.area * (p.slip - p.normal * p.normal.dot(p.slip));
   const double length = along_sheet.norm();
   double area = 0;
   for (const Plate& p : plates) area += p.area;
-  if (!(length > still * area)) return;
+  if (!(length > still * area)) return 0;
   // the sheet moves forward through the air: what is foremost is at the leading edge
   const Eigen::VectorXd behind = -(x * (along_sheet / length));
   const double first = behind.minCoeff(), depth = behind.maxCoeff() - first;
-  if (!(depth > 0)) return;
+  if (!(depth > 0)) return 0;
   double sum = 0;
   for (Plate& p : plates) {
     double low = 1, high = 0;
@@ -71,13 +78,15 @@ void find_leading_edge(std::vector<Plate>& plates, const Points3& x) {
     sum += p.leading * p.area;
   }
   for (Plate& p : plates) p.leading *= area / sum;
+  return length / area * depth;
 }
 
 }  // namespace
 
 AirDrag::AirDrag(const Air& air, const Sheet& sheet, double dt, double time) {
   std::vector<Plate> plates = plates_of(air, sheet, time);
-  find_leading_edge(plates, sheet.x);
+  const double way = find_leading_edge(plates, sheet.x);
+  const double along = friction_along(air.density * way / viscosity);
   for (const Plate& p : plates) {
     const double s = p.sine(), pressure = s + (1 - s) * p.leading;
     const Eigen::Matrix3d normal = p.normal * p.normal.transpose();

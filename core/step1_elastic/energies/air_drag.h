@@ -18,7 +18,9 @@ namespace paperbake {
 /// n    unit normal at the beginning of the step;  A [m2] area on the pattern
 /// C_d  1.2: a plate across the wind. With the normal force C_d sin(alpha), alpha the angle between
 ///      the plate and the wind, the plate has drag C_d sin^2 and lift C_d sin cos
-/// C_f  0.02: friction along the sheet, laminar, both sides, at 1 m/s and 0.2 m
+/// C_f  2 * 1.328 / sqrt(Re): friction along the sheet, laminar, both sides. Re is that of the mean
+///      velocity along the sheet and of the length of the sheet in its direction, at least 100.
+///      0.023 at 1 m/s and 0.2 m
 /// p    [1] the pressure is higher near the leading edge of a plate that meets the air at a small
 ///      angle, which is what makes paper flutter and tumble:
 ///        p = sin(alpha) + (1 - sin(alpha)) sqrt((1 - c)/c) 2/pi,

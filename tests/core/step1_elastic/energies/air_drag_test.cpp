@@ -139,6 +139,30 @@ TEST(AirDragTest, ALevelSheetFallsAtItsTerminalSpeed) {
   EXPECT_NEAR(-sheet.v.col(2).mean(), terminal, 0.005 * terminal);
 }
 
+TEST(AirDragTest, ASheetThatGlidesAlongItselfIsSlowedByItsLaminarBoundaryLayer) {
+  const Paper paper = copy80();
+  constexpr double viscosity = 1.81e-5, seconds = 0.5;  // [Pa s]
+  for (const double length : {0.1, 0.4})
+    for (const double speed : {1.0, 5.0}) {
+      Sheet sheet = test::hex_sheet(length, 0.1, 4);
+      sheet.v = Points3::Zero(sheet.x.rows(), 3);
+      sheet.v.col(0).setConstant(speed);
+      ElasticOptions options;
+      options.inertia = Inertia::dynamic;
+      options.air.density = density;
+      Elastic elastic(paper, options);
+      elastic.set_mesh(sheet);
+      for (int k = 0; k < 96 * seconds; ++k) elastic.step(sheet, {}, dt);
+      // m dv/dt = -rho/2 A C_f v^2 with C_f = 2.656 sqrt(nu/(v l)):  v^-1/2 = v0^-1/2 + k t/2
+      const double k =
+          0.5 * density * 2.656 * std::sqrt(viscosity / (density * length)) / paper.area_density;
+      const double root = 1 / std::sqrt(speed) + k * seconds / 2;
+      const double expected = 1 / (root * root);
+      EXPECT_NEAR(sheet.v.col(0).mean(), expected, 0.01 * (speed - expected))
+          << length << " m, " << speed << " m/s";
+    }
+}
+
 /// [rad] from the vertical: angle at which a stiff strip of 0.1 m that hangs from its upper edge
 /// rests in a horizontal wind.
 double angle_in_wind(const Paper& paper, double speed) {
