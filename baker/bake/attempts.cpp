@@ -7,9 +7,7 @@
 #include "baker/output/frequent_message.h"
 #include "baker/output/gates.h"
 #include "baker/output/output_folder.h"
-#include "core/animation/swing.h"
 #include "core/geometry/collider_motion.h"
-#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -23,14 +21,15 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
-constexpr double some_frames = 0.1;  // [1] of a shot: a mesh may put the sheet off for so long
 
 /// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
 /// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
-/// not at all.
+/// not at all. A mesh that is doubted becomes finer until it is not.
 int refinement(std::size_t attempt, AttemptReason reason) {
   if (attempt == 0) return 1;
-  return attempt % 2 == 1 && reason == AttemptReason::handle_off ? 2 : 4;
+  const bool is_odd = attempt % 2 == 1;
+  if (reason == AttemptReason::handle_off) return is_odd ? 2 : 4;
+  return is_odd ? 4 : 8;
 }
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
@@ -76,7 +75,10 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::file
 void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
-  if (may_be_finer(settings_)) watch_bends(frame);
+  if (may_be_finer(settings_)) {
+    begins_finer_ |= seen_.frames == 0 && frame.statistics.doublings > 0;
+    bends_[frame.sheet_index].look(frame, first_.shots[frame.sheet_index].pattern);
+  }
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
   const Shot& shot = first_.shots[frame.sheet_index];
@@ -109,30 +111,14 @@ bool Attempts::is_mesh_doubted() const {
 
 std::string Attempts::caution() const {
   if (first_.ends_with_shot || !is_mesh_doubted()) return {};
-  const AttemptReason reason = seen_.points > 0 ? AttemptReason::crumpled : AttemptReason::coarse;
   return fmt::format(
       "{}: a bake of the whole shot also tries a finer one, and may come out otherwise",
-      why_doubted(reason, seen_));
+      why_doubted(seen_));
 }
 
 bool Attempts::is_coarse() const {
-  return std::any_of(bends_.begin(), bends_.end(), [](const Bends& bends) {
-    return !bends.may_be_sharp && bends.coarse_frames > some_frames * bends.frames;
-  });
-}
-
-void Attempts::watch_bends(const AnimatedFrame& frame) {
-  const Sheet& sheet = *frame.sheet;
-  Bends& bends = bends_[frame.sheet_index];
-  const bool is_first = frame.frame == first_.animation.first_frame;
-  if (is_first) begins_finer_ |= frame.statistics.doublings > 0;
-  bends.may_be_sharp |= !sheet.singular.empty() || !sheet.prescribed_creases.empty();
-  if (bends.may_be_sharp) return;
-  ++bends.frames;
-  const double sagitta = rms_sagitta(sheet) / longer_side(first_.shots[frame.sheet_index].pattern);
-  bends.may_be_sharp = is_first && sagitta > visible_motion;
-  if (!frame.statistics.converged) return;
-  bends.coarse_frames += std::max(sagitta, frame.statistics.mesh_error) > visible_motion;
+  return std::any_of(bends_.begin(), bends_.end(),
+                     [](const BendWatch& bends) { return bends.is_coarse(); });
 }
 
 BakeSettings Attempts::settings_of(std::size_t number) const {
@@ -147,10 +133,8 @@ Attempt Attempts::describe_attempt(std::size_t number) const {
   for (const Shot& shot : first_.shots)
     attempt.base_triangles =
         std::max(attempt.base_triangles, first_triangles(settings, shot.pattern));
-  // the first of a finer mesh that is tried for another reason keeps the seed
-  const std::size_t seeds =
-      reason_ == AttemptReason::handle_off || number == 0 ? number : number - 1;
-  attempt.seed_offset = seed_step * static_cast<unsigned>(seeds);
+  if (reason_ == AttemptReason::handle_off)
+    attempt.seed_offset = seed_step * static_cast<unsigned>(number);
   return attempt;
 }
 
@@ -192,19 +176,15 @@ std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequ
                          ? std::min(seen_.points, points_of_a_crumple)
                          : points_of_a_crumple;
   return std::make_unique<Candidate>(
-      std::move(plan), number == 0 ? seen_ : describe_attempt(number), Comparison{reason_, points},
+      std::move(plan), number == 0 ? seen_ : describe_attempt(number),
+      Comparison{reason_, points, std::max(tolerance_of_attempts(), seen_.pulled)},
       CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock);
-}
-
-bool Attempts::may_another_seed_do(const Candidate& finer) const {
-  return reason_ == AttemptReason::coarse && settings_.attempts > 2 && finer.is_hopeless() &&
-         finer.known().points < points_of_a_crumple && finer.known().off > tolerance_of_attempts();
 }
 
 /// Half a sentence.
 std::string Attempts::why_tried(const Attempt& before) const {
   if (reason_ != AttemptReason::handle_off && before.off <= tolerance_of_attempts())
-    return why_doubted(reason_, before);
+    return why_doubted(before);
   if (const Gates gates; before.inside / gates.inside_mm > before.off / gates.handle_err_mm)
     return fmt::format("in the attempt before it the paper is {:.1f} mm inside a collider",
                        1e3 * before.inside);
@@ -214,9 +194,10 @@ std::string Attempts::why_tried(const Attempt& before) const {
 
 std::size_t Attempts::most_attempts() const {
   const auto allowed = static_cast<std::size_t>(settings_.attempts);
-  if (reason_ != AttemptReason::handle_off) return 2;
   const std::size_t one_on_each_mesh = may_be_finer(settings_) ? 3 : 2;
-  return handles_moved_ ? allowed : std::min(allowed, one_on_each_mesh);
+  return reason_ == AttemptReason::handle_off && handles_moved_
+             ? allowed
+             : std::min(allowed, one_on_each_mesh);
 }
 
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
@@ -241,8 +222,6 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     (*next)->show_frame();
     if (frequent.is_due())
       progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
-    if (all.size() == 2 && may_another_seed_do(*all.back()))
-      all.push_back(make_candidate(2, stop, clock));
   }
   AttemptChoice choice;
   choice.reason = reason_;

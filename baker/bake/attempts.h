@@ -1,5 +1,6 @@
 #pragma once
 
+#include "baker/bake/bend_watch.h"
 #include "baker/bake/candidate.h"
 #include "baker/output/progress.h"
 
@@ -24,18 +25,17 @@ namespace paperbake {
 /// as much as a handle that misses its gate as many times (worst_miss).
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
-/// of that, or it stays smooth, and its mesh puts it off by more than 0.5 % of its longer side in
-/// more than a tenth of the frames. By how much is the larger of two numbers: how far the sheet is
-/// from where it would be on a finer mesh (FrameStatistics::mesh_error, not known of every frame),
-/// and how far its triangles are from smooth paper (rms_sagitta). Where all handles hold, no
+/// of that, or it stays smooth and is angular, or off (BendWatch). Where all handles hold, no
 /// collider is in the paper and the mesh may be too coarse, the shot is simulated once more on a
-/// first mesh of four times as many triangles, with the seed of the bake. It ends when a sheet
-/// crumples there, or gets as many singular points as the sheet that had most in the first attempt,
-/// if there were any. If none does and the handles hold, this attempt is baked. If none does but a
-/// handle is off, and the first attempt was smooth, the finer mesh is tried once more, with another
-/// seed, where three attempts are allowed. A shot whose first mesh a rehearsal has made finer is
-/// not doubted in this way. Nor is one that is baked in part: its frames would depend on which part
-/// that is, and a message says that the whole shot may come out otherwise.
+/// first mesh of four times as many triangles, with the seed of the bake. That attempt ends when a
+/// sheet crumples there, or gets as many singular points as the sheet that had most in the first
+/// attempt, if there were any. If it ends so, or loses a handle, or gets to the end with singular
+/// points or creases that nobody made, a third attempt has eight times as many triangles as the
+/// first one. Baked is the first of them with which nothing is wrong; else the finest that has a
+/// reason to be doubted, but none to be given up; else the first attempt. A shot whose first mesh a
+/// rehearsal has made finer is not doubted in this way. Nor is one that is baked in part: its
+/// frames would depend on which part that is, and a message says that the whole shot may come out
+/// otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
@@ -76,27 +76,17 @@ class Attempts {
   bool choose(Progress&, StopRequest&, StageClock&);
 
  private:
-  /// How coarse the mesh of a sheet is for its bends.
-  struct Bends {
-    int frames = 0;         // of the sheet so far
-    int coarse_frames = 0;  // in which its mesh puts it off visibly
-    // it was modelled bent, is creased or has singular points: it may be as sharp as it likes
-    bool may_be_sharp = false;
-  };
   BakePlan plan_of(std::size_t attempt) const;
   BakeSettings settings_of(std::size_t attempt) const;
   Attempt describe_attempt(std::size_t attempt) const;
   bool is_coarse() const;
   bool is_mesh_doubted() const;
-  void watch_bends(const AnimatedFrame&);
   void adopt(AttemptChoice);
   std::string key() const;
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
   std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
-  /// Whether smooth paper loses a handle on a finer mesh: another seed may hold it.
-  bool may_another_seed_do(const Candidate& finer) const;
   std::size_t most_attempts() const;  // the first one counted
   std::string why_tried(const Attempt& before) const;
   void remove_attempts() const;
@@ -105,8 +95,8 @@ class Attempts {
   const BakePlan& first_;
   BakePlan plan_;
   std::filesystem::path state_, decision_;
-  Attempt seen_;              // of the first attempt
-  std::vector<Bends> bends_;  // of its sheets
+  Attempt seen_;                  // of the first attempt
+  std::vector<BendWatch> bends_;  // of its sheets
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
   // whether a sheet begins on a finer mesh than asked for, by a rehearsal, which knows those beyond

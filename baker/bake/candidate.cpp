@@ -1,5 +1,6 @@
 #include "baker/bake/candidate.h"
 
+#include "baker/bake/bend_watch.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/gates.h"
 #include "core/hands/handle_feasibility.h"
@@ -56,7 +57,11 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
   const auto points = static_cast<int>(frame.sheet->singular.size());
-  if (is_pulled(frame.statistics, points, static_cast<int>(held))) return;
+  if (is_pulled(frame.statistics, points, static_cast<int>(held))) {
+    for (const HandleFrame& handle : frame.handles)
+      attempt.pulled = std::max(attempt.pulled, handle.error());
+    return;
+  }
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     const double off = handle.error() - unavoidable(plan, frame, h);
@@ -84,7 +89,8 @@ class Candidate::Simulation {
   StageClock& clock_;
   std::vector<AnimateOptions> options_;
   State now_;
-  int frames_ = 0;  // simulated
+  int frames_ = 0;                // simulated
+  std::vector<BendWatch> bends_;  // of its sheets
   std::optional<Checkpoints> checkpoints_;
   std::optional<Animation> animation_;
 };
@@ -95,7 +101,8 @@ Candidate::Simulation::Simulation(const BakePlan& plan, const Attempt& known,
       folder_(std::move(folder)),
       clock_(clock),
       options_(options_of_sheets(plan_)),
-      now_{known} {
+      now_{known},
+      bends_(plan.shots.size()) {
   for (AnimateOptions& of_sheet : options_) {
     of_sheet.report_plastic_curvature = true;  // who takes its frames may want maps
     of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
@@ -142,8 +149,12 @@ void Candidate::Simulation::begin(std::vector<State>& states) {
 /// states  gets one when this was the frame's last sheet, and the frame was not known before
 void Candidate::Simulation::add(const AnimatedFrame& frame, std::vector<State>& states) {
   add_frame(now_.attempt, frame, plan_);
+  bends_[frame.sheet_index].look(frame, plan_.shots[frame.sheet_index].pattern);
   if (frame.sheet_index + 1 < plan_.shots.size() || ++frames_ <= now_.attempt.frames) return;
   now_.attempt.frames = frames_;
+  if (frames_ == frames_of(plan_))
+    now_.attempt.coarse = std::any_of(bends_.begin(), bends_.end(),
+                                      [](const BendWatch& bends) { return bends.is_creased(); });
   states.push_back(now_);
 }
 
@@ -166,11 +177,13 @@ bool Candidate::is_hopeless(const State& state) const {
 }
 
 double Candidate::badness(const State& state) const {
+  constexpr double bad = std::numeric_limits<double>::infinity();
   const Attempt& known = state.attempt;
-  const bool is_no_better = by_.reason != AttemptReason::handle_off &&
-                            (known.points >= by_.points || known.coarse || worst_miss(known) > 1);
-  return state.failed || is_no_better ? std::numeric_limits<double>::infinity()
-                                      : std::max(1.0, worst_miss(known));
+  if (state.failed) return bad;
+  if (by_.reason == AttemptReason::handle_off) return std::max(1.0, worst_miss(known));
+  if (known.points >= by_.points || worst_miss(known) > 1 || known.pulled > by_.pulled) return bad;
+  const bool is_doubted = is_over(state) && (known.coarse || known.points > 0);
+  return is_doubted ? 1 + 1.0 / known.base_triangles : 1;
 }
 
 std::string Candidate::describe_state(std::size_t number, std::size_t of) const {

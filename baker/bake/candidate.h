@@ -26,6 +26,8 @@ struct CandidateFolder {
 struct Comparison {
   AttemptReason reason;  // why they are
   int points;  // with so many singular points, born in a sheet, one is no better than the first
+  // [m] pulled off its handles by more (Attempt::pulled), it is no better than the first either
+  double pulled;
 };
 
 /// An attempt that is being simulated. It may be simulated ahead of what is known() of it, on
@@ -45,8 +47,9 @@ class Candidate {
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
   /// What attempts are compared by: how often they miss a gate (worst_miss); all that miss none are
-  /// alike. Where handles are not the reason, those are infinitely bad that miss one, have too many
-  /// singular points or are too coarse.
+  /// alike. Where handles are not the reason, those are infinitely bad that miss one or have too
+  /// many singular points. One that is over, but has singular points or coarse triangles, is worse
+  /// than one without, and the less so the finer it is.
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;
@@ -106,8 +109,8 @@ double worst_miss(const Attempt&);
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it,
 /// the singular points that were born in its sheet, and how deep it gets into a collider.
 /// Distances that paper cannot bridge (BakePlan::impossible, Overshoot) do not count, nor frames in
-/// which the sheet is pulled off its handles (baker/output/gates.h): no attempt makes a hand
-/// stronger.
+/// which the sheet is pulled off its handles (baker/output/gates.h), but to say how far: no attempt
+/// makes a hand stronger.
 void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
 
 }  // namespace paperbake

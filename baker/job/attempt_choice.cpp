@@ -13,10 +13,10 @@ const char* how_broken(const Attempt& attempt) {
 }
 
 /// Why a finer one is not baked. The end of a sentence.
-std::string why_not_better(const Attempt& finer, const Attempt& first) {
-  if (finer.points >= points_of_a_crumple || (first.points > 0 && finer.points >= first.points))
+std::string why_not_better(const Attempt& finer, const Attempt& baked) {
+  if (finer.points >= points_of_a_crumple || (baked.points > 0 && finer.points >= baked.points))
     return fmt::format("because the paper {} on one of {}{}", how_broken(finer),
-                       finer.base_triangles, first.points > 0 ? ", too" : "");
+                       finer.base_triangles, baked.points > 0 ? ", too" : "");
   return fmt::format("because one of {} is not better", finer.base_triangles);
 }
 
@@ -34,29 +34,25 @@ const char* name_of(AttemptReason reason) {
   return "";
 }
 
-std::string why_doubted(AttemptReason reason, const Attempt& first) {
-  if (reason == AttemptReason::coarse)
+std::string why_doubted(const Attempt& attempt) {
+  if (attempt.points == 0)
     return fmt::format("a first mesh of {} triangles puts the smooth paper off visibly",
-                       first.base_triangles);
-  return fmt::format("the paper {} on a first mesh of {} triangles", how_broken(first),
-                     first.base_triangles);
+                       attempt.base_triangles);
+  return fmt::format("the paper {} on a first mesh of {} triangles", how_broken(attempt),
+                     attempt.base_triangles);
 }
 
 std::string describe(const AttemptChoice& choice) {
   const Attempt &first = choice.tried.front(), &baked = choice.tried.at(choice.baked);
   if (choice.reason != AttemptReason::handle_off) {
-    const Attempt& finer = choice.tried.back();
+    const std::string which =
+        choice.baked == 0 ? "it is baked" : fmt::format("one of {} is baked", baked.base_triangles);
+    std::string why;
     if (choice.tried.size() == 1)
-      return fmt::format("attempts: {}; it is baked, because none comes of a finer one",
-                         why_doubted(choice.reason, first));
-    return fmt::format(
-        "attempts: {}; {}", why_doubted(choice.reason, first),
-        choice.baked > 0
-            ? fmt::format("one of {} is baked{}", finer.base_triangles,
-                          baked.seed_offset > 0
-                              ? fmt::format(", with a seed that is higher by {}", baked.seed_offset)
-                              : "")
-            : "it is baked, " + why_not_better(finer, first));
+      why = ", because none comes of a finer one";
+    else if (choice.baked + 1 < choice.tried.size())
+      why = ", " + why_not_better(choice.tried.back(), baked);
+    return fmt::format("attempts: {}; {}{}", why_doubted(first), which, why);
   }
   std::string text =
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",

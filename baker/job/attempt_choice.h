@@ -18,18 +18,19 @@ struct Attempt {
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
   // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.
-  double off = 0;       // [m]
-  double off_pct = 0;   // [% of the longer side of its sheet]
-  int frame = 0;        // in which it is
-  double inside = 0;    // [m] how deep a sheet gets into a collider at most
-  int frames = 0;       // that were simulated
-  bool coarse = false;  // whether it is doubted because of its coarse triangles
+  double off = 0;      // [m]
+  double off_pct = 0;  // [% of the longer side of its sheet]
+  int frame = 0;       // in which it is
+  double pulled = 0;  // [m] how far a sheet is pulled off a handle at most, which counts not as off
+  double inside = 0;  // [m] how deep a sheet gets into a collider at most
+  int frames = 0;     // that were simulated
+  bool coarse = false;  // whether it is doubted because of its coarse triangles, at its end
   int points = 0;       // singular points that were born in a sheet, at most
 };
 
-/// Half a sentence on why the first attempt is doubted although its handles hold. The reason is not
-/// handle_off.
-std::string why_doubted(AttemptReason, const Attempt& first);
+/// Half a sentence on why an attempt is doubted although its handles hold: its singular points, or
+/// if it has none, its coarse triangles.
+std::string why_doubted(const Attempt&);
 
 /// Which attempt of a shot is baked, and which were tried.
 struct AttemptChoice {

@@ -215,7 +215,7 @@ std::vector<Option> meshes_and_physics() {
           "than 1 mm: other seeds, on first meshes of 2 and 4 times as many triangles in turn. "
           "The best is baked. Where handles hold, but the paper gets singular points, or its "
           "triangles put it off visibly, a second attempt on 4 times as many is baked if it does "
-          "better there, or a third with another seed if smooth paper loses a handle there. "
+          "better there, or a third on 8 times as many if that is in doubt, too. "
           "1: neither of both (method hybrid)",
           to_whole(&BakeSettings::attempts)),
       without_default(

@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace paperbake {
@@ -37,6 +38,13 @@ double rms_sagitta(const Sheet& sheet) {
     const double sagitta = area / length * fold / 8;  // the strips of a ruled mesh are so wide
     return sagitta * sagitta;
   }));
+}
+
+double sharpest_fold(const Sheet& sheet) {
+  double most = 0;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
+    most = std::max(most, std::abs(dihedral_angle(sheet.x, hinge)));
+  return most;
 }
 
 }  // namespace paperbake

@@ -14,6 +14,9 @@ double mean_square_fold(const Sheet&);
 /// that each fold stores. [m]
 double rms_sagitta(const Sheet&);
 
+/// The largest dihedral angle, without its sign. [rad]
+double sharpest_fold(const Sheet&);
+
 // [rad2] Folds of 3 degrees: the sheet is bent, and not merely rumpled.
 constexpr double fold_that_shows = 0.003;
 // [rad2] Folds of 10 degrees: eighteen of them make a half turn. On a coarser mesh bends that

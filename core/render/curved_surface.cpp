@@ -124,7 +124,8 @@ Points3 developable(const Sheet& sheet, const Points3& tensors) {
 }  // namespace
 
 double crease_share(double theta) {
-  const double t = std::clamp((std::abs(theta) - crease_begins) / 0.4, 0.0, 1.0);
+  const double t =
+      std::clamp((std::abs(theta) - crease_begins) / (whole_crease - crease_begins), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 

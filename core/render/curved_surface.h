@@ -13,6 +13,7 @@ namespace paperbake {
 /// returns  [1]
 double crease_share(double theta);
 constexpr double crease_begins = 0.4;  // [rad] dihedral angle up to which that is 0
+constexpr double whole_crease = 0.8;   // [rad] and from which on it is 1
 
 /// The curved sheet that a coarse mesh stands for: one quadratic patch for each triangle, with the
 /// same curve on both sides of every edge.
