@@ -76,7 +76,7 @@ void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
   if (may_be_finer(settings_)) {
-    begins_finer_ |= seen_.frames == 0 && frame.statistics.doublings > 0;
+    begins_finer_ |= frame.frame == first_.animation.first_frame && frame.statistics.doublings > 0;
     bends_[frame.sheet_index].look(frame, first_.shots[frame.sheet_index].pattern);
   }
   const int row = frame.frame - first_.animation.first_frame;
@@ -177,19 +177,33 @@ std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequ
                          : points_of_a_crumple;
   return std::make_unique<Candidate>(
       std::move(plan), number == 0 ? seen_ : describe_attempt(number),
-      Comparison{reason_, points, std::max(tolerance_of_attempts(), seen_.pulled)},
+      Comparison{reason_, points, allowed_pull()},
       CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock);
 }
 
 /// Half a sentence.
-std::string Attempts::why_tried(const Attempt& before) const {
-  if (reason_ != AttemptReason::handle_off && before.off <= tolerance_of_attempts())
-    return why_doubted(before);
-  if (const Gates gates; before.inside / gates.inside_mm > before.off / gates.handle_err_mm)
+std::string Attempts::why_tried(const Candidate& last) const {
+  const Attempt& before = last.known();
+  const Gates gates;
+  if (last.has_failed()) return "the attempt before it could not be simulated";
+  if (reason_ != AttemptReason::handle_off && before.pulled > allowed_pull())
+    return fmt::format("in the attempt before it the sheet is pulled off a handle by {:.1f} mm",
+                       1e3 * before.pulled);
+  if (reason_ != AttemptReason::handle_off && worst_miss(before) <= 1) return why_doubted(before);
+  if (before.inside / gates.inside_mm > before.off / gates.handle_err_mm)
     return fmt::format("in the attempt before it the paper is {:.1f} mm inside a collider",
                        1e3 * before.inside);
   return fmt::format("up to frame {} of the attempt before it a handle is off by {:.1f} mm",
                      before.frame, 1e3 * before.off);
+}
+
+double Attempts::allowed_pull() const { return std::max(tolerance_of_attempts(), seen_.pulled); }
+
+bool Attempts::may_need_another(const Candidate& last, std::size_t tried) const {
+  // a mesh that is doubted is made finer until it is not
+  return reason_ != AttemptReason::handle_off && tried < most_attempts() &&
+         (last.is_hopeless() || last.badness() > 1) &&
+         describe_attempt(tried).base_triangles > last.known().base_triangles;
 }
 
 std::size_t Attempts::most_attempts() const {
@@ -206,7 +220,8 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
                                : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
   std::vector<std::unique_ptr<Candidate>> all;
-  while (all.size() < most_attempts()) all.push_back(make_candidate(all.size(), stop, clock));
+  const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
+  while (all.size() < at_once) all.push_back(make_candidate(all.size(), stop, clock));
   FrequentMessage frequent;
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
@@ -217,18 +232,20 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
       progress.message(fmt::format("attempt {} of {} is tried: {}", next - all.begin() + 1,
-                                   all.size(), why_tried((*(next - 1))->known())));
+                                   most_attempts(), why_tried(**(next - 1))));
     start_likeliest(all, **next, settings_.threads);
     (*next)->show_frame();
     if (frequent.is_due())
-      progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
+      progress.message((*next)->describe_state(next - all.begin() + 1, most_attempts()));
+    if (may_need_another(*all.back(), all.size()))
+      all.push_back(make_candidate(all.size(), stop, clock));
   }
   AttemptChoice choice;
   choice.reason = reason_;
   choice.hopeless = !(*best())->is_over();
   choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best() - all.begin());
-  for (const auto& candidate : all)
-    if (candidate->known().frames > 0) choice.tried.push_back(candidate->known());
+  while (all.size() > 1 && !all.back()->has_begun()) all.pop_back();
+  for (const auto& candidate : all) choice.tried.push_back(candidate->known());
   all.clear();  // what is still being simulated is not needed
   if (choice.baked == 0 && !failing_ && first_.polish.triangles == 0)
     recorded_ = Recorded::everything;

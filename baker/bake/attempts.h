@@ -88,7 +88,11 @@ class Attempts {
   std::filesystem::path folder_of(std::size_t attempt) const;
   std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
   std::size_t most_attempts() const;  // the first one counted
-  std::string why_tried(const Attempt& before) const;
+  std::string why_tried(const Candidate& last) const;
+  /// How far an attempt may be pulled off its handles where they are not the reason. [m]
+  double allowed_pull() const;
+  /// Whether a mesh has to be made finer still than that of the last of so many attempts.
+  bool may_need_another(const Candidate& last, std::size_t tried) const;
   void remove_attempts() const;
 
   const BakeSettings& settings_;

@@ -16,7 +16,8 @@ void BendWatch::look(const AnimatedFrame& frame, const Pattern& pattern) {
   may_be_sharp_ |= !sheet.singular.empty() || !sheet.prescribed_creases.empty();
   if (may_be_sharp_) return;
   // what presses paper may crease it, and what moves fast is seen as a blur
-  const double fold = now.on_colliders > 0 || now.inertia ? 0 : sharpest_fold(sheet);
+  const bool may_be_creased = now.on_colliders > 0 || now.touching_others > 0 || now.inertia;
+  const double fold = may_be_creased && frames_ > 0 ? 0 : sharpest_fold(sheet);
   const bool is_angular =
       rms_sagitta(sheet) > visible_motion * std::sqrt(area(pattern)) || fold > crease_begins;
   may_be_sharp_ = frames_ == 0 && is_angular;

@@ -17,12 +17,12 @@ class BendWatch {
   ///   a finer one (FrameStatistics::mesh_error, not known of every frame),
   /// - or its triangles are farther from smooth paper than 0.5 % of the root of its area
   ///   (rms_sagitta; a ribbon would hide in its length how angular it is across),
-  /// - or, if it has no inertia and touches no collider, an edge is bent so sharply that it begins
+  /// - or, if it has no inertia and touches nothing else, an edge is bent so sharply that it begins
   ///   to be drawn as a crease (crease_share).
   bool is_coarse() const;
 
   /// Whether in more than a tenth of the frames an edge of it is drawn as a whole crease, while it
-  /// has no inertia and touches no collider.
+  /// has no inertia and touches nothing else.
   bool is_creased() const;
 
  private:

@@ -44,6 +44,15 @@ double worst_miss(const Attempt& attempt) {
                   1e3 * attempt.inside / Gates{}.inside_mm);
 }
 
+double badness(const Attempt& attempt, bool is_over, const Comparison& by) {
+  const double miss = worst_miss(attempt);
+  if (by.reason == AttemptReason::handle_off) return std::max(1.0, miss);
+  if (attempt.points >= by.points || miss > 1 || attempt.pulled > by.pulled)
+    return std::numeric_limits<double>::infinity();
+  const bool is_doubted = is_over && (attempt.coarse || attempt.points > 0);
+  return is_doubted ? 1 + 1.0 / attempt.base_triangles : 1;
+}
+
 void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& plan) {
   const Shot& shot = plan.shots[frame.sheet_index];
   const double side = longer_side(shot.pattern);
@@ -57,14 +66,13 @@ void add_frame(Attempt& attempt, const AnimatedFrame& frame, const BakePlan& pla
       std::count_if(frame.handles.begin(), frame.handles.end(),
                     [](const HandleFrame& handle) { return handle.state != HandleFrame::free; });
   const auto points = static_cast<int>(frame.sheet->singular.size());
-  if (is_pulled(frame.statistics, points, static_cast<int>(held))) {
-    for (const HandleFrame& handle : frame.handles)
-      attempt.pulled = std::max(attempt.pulled, handle.error());
-    return;
-  }
+  const bool pulled = is_pulled(frame.statistics, points, static_cast<int>(held));
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
-    const HandleFrame& handle = frame.handles[h];
-    const double off = handle.error() - unavoidable(plan, frame, h);
+    const double off = frame.handles[h].error() - unavoidable(plan, frame, h);
+    if (pulled) {
+      attempt.pulled = std::max(attempt.pulled, off);
+      continue;
+    }
     attempt.off_pct = std::max(attempt.off_pct, 100 * off / side);
     if (off <= attempt.off) continue;
     attempt.off = off;
@@ -177,13 +185,8 @@ bool Candidate::is_hopeless(const State& state) const {
 }
 
 double Candidate::badness(const State& state) const {
-  constexpr double bad = std::numeric_limits<double>::infinity();
-  const Attempt& known = state.attempt;
-  if (state.failed) return bad;
-  if (by_.reason == AttemptReason::handle_off) return std::max(1.0, worst_miss(known));
-  if (known.points >= by_.points || worst_miss(known) > 1 || known.pulled > by_.pulled) return bad;
-  const bool is_doubted = is_over(state) && (known.coarse || known.points > 0);
-  return is_doubted ? 1 + 1.0 / known.base_triangles : 1;
+  return state.failed ? std::numeric_limits<double>::infinity()
+                      : paperbake::badness(state.attempt, is_over(state), by_);
 }
 
 std::string Candidate::describe_state(std::size_t number, std::size_t of) const {

@@ -26,9 +26,16 @@ struct CandidateFolder {
 struct Comparison {
   AttemptReason reason;  // why they are
   int points;  // with so many singular points, born in a sheet, one is no better than the first
-  // [m] pulled off its handles by more (Attempt::pulled), it is no better than the first either
+  // [m] nor is one whose sheet is pulled off a handle by more (Attempt::pulled)
   double pulled;
 };
+
+/// What attempts are compared by: how often they miss a gate (worst_miss); all that miss none have
+/// 1. Where handles are not the reason, those are infinitely bad that miss one, are pulled off
+/// their handles or have too many singular points; one that is over, but has singular points or
+/// coarse triangles, is worse than one without, and the less so the finer it is.
+/// is_over  whether all of its frames are known
+double badness(const Attempt&, bool is_over, const Comparison&);
 
 /// An attempt that is being simulated. It may be simulated ahead of what is known() of it, on
 /// another thread. Only what show_frame() has shown counts, so that a choice among candidates does
@@ -46,10 +53,7 @@ class Candidate {
   bool has_begun() const { return begun_; }
   bool is_over() const { return is_over(shown_); }
   bool is_hopeless() const { return is_hopeless(shown_); }
-  /// What attempts are compared by: how often they miss a gate (worst_miss); all that miss none are
-  /// alike. Where handles are not the reason, those are infinitely bad that miss one or have too
-  /// many singular points. One that is over, but has singular points or coarse triangles, is worse
-  /// than one without, and the less so the finer it is.
+  bool has_failed() const { return shown_.failed; }  // it could not be simulated
   double badness() const { return badness(shown_); }
   /// A sentence for people on how far it is.
   std::string describe_state(std::size_t number, std::size_t of) const;

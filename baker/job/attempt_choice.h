@@ -21,11 +21,14 @@ struct Attempt {
   double off = 0;      // [m]
   double off_pct = 0;  // [% of the longer side of its sheet]
   int frame = 0;       // in which it is
-  double pulled = 0;  // [m] how far a sheet is pulled off a handle at most, which counts not as off
+  // [m] the same where the sheet is pulled off its handles, which does not count as off
+  double pulled = 0;
   double inside = 0;  // [m] how deep a sheet gets into a collider at most
   int frames = 0;     // that were simulated
-  bool coarse = false;  // whether it is doubted because of its coarse triangles, at its end
-  int points = 0;       // singular points that were born in a sheet, at most
+  // of the first: its triangles are too coarse (BendWatch::is_coarse); of a finer one, at its end:
+  // it is creased (BendWatch::is_creased)
+  bool coarse = false;
+  int points = 0;  // singular points that were born in a sheet, at most
 };
 
 /// Half a sentence on why an attempt is doubted although its handles hold: its singular points, or

@@ -10,7 +10,7 @@ namespace paperbake {
 namespace {
 
 constexpr double still = 1e-9;          // [m/s]
-constexpr double viscosity = 1.81e-5;   // [Pa s] of air at 15 C
+constexpr double viscosity = 1.81e-5;   // [Pa s] of air at 20 C
 constexpr double least_reynolds = 100;  // [1] for smaller ones the boundary layer is not thin
 
 /// Integral of sqrt((1 - c)/c) from 0 to c.
@@ -51,7 +51,7 @@ double friction_along(double reynolds) {
 }
 
 /// Sets the pressure of the plates by how far behind the leading edge of the sheet they are.
-/// returns  [m2/s] speed of the air along the sheet times the way that it has along it
+/// returns  [m] the length of the sheet in the direction of the air along it; 0: there is none
 double find_leading_edge(std::vector<Plate>& plates, const Points3& x) {
   Vector3d along_sheet = Vector3d::Zero();
   for (const Plate& p : plates) along_sheet += p.area * (p.slip - p.normal * p.normal.dot(p.slip));
@@ -78,15 +78,21 @@ double find_leading_edge(std::vector<Plate>& plates, const Points3& x) {
     sum += p.leading * p.area;
   }
   for (Plate& p : plates) p.leading *= area / sum;
-  return length / area * depth;
+  return depth;
 }
 
 }  // namespace
 
 AirDrag::AirDrag(const Air& air, const Sheet& sheet, double dt, double time) {
   std::vector<Plate> plates = plates_of(air, sheet, time);
-  const double way = find_leading_edge(plates, sheet.x);
-  const double along = friction_along(air.density * way / viscosity);
+  const double depth = find_leading_edge(plates, sheet.x);
+  double area = 0, swept = 0;  // [m2], [m3/s]
+  for (const Plate& p : plates) {
+    area += p.area;
+    swept += p.area * p.slip.norm();
+  }
+  const double length = depth > 0 ? depth : std::sqrt(area);
+  const double along = friction_along(air.density * swept / area * length / viscosity);
   for (const Plate& p : plates) {
     const double s = p.sine(), pressure = s + (1 - s) * p.leading;
     const Eigen::Matrix3d normal = p.normal * p.normal.transpose();

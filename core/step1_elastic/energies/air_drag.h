@@ -19,7 +19,7 @@ namespace paperbake {
 /// C_d  1.2: a plate across the wind. With the normal force C_d sin(alpha), alpha the angle between
 ///      the plate and the wind, the plate has drag C_d sin^2 and lift C_d sin cos
 /// C_f  2 * 1.328 / sqrt(Re): friction along the sheet, laminar, both sides. Re is that of the mean
-///      velocity along the sheet and of the length of the sheet in its direction, at least 100.
+///      speed against the air and of the length of the sheet in its direction, at least 100.
 ///      0.023 at 1 m/s and 0.2 m
 /// p    [1] the pressure is higher near the leading edge of a plate that meets the air at a small
 ///      angle, which is what makes paper flutter and tumble:

@@ -180,9 +180,37 @@ TEST(Attempt, DoesNotCountWhatPaperCannotBridge) {
   EXPECT_NEAR(attempt.off_pct, 3, 1e-9);
 }
 
+TEST(Attempt, OnAFinerMeshIsTheWorseTheMoreIsWrongWithIt) {
+  Attempt coarse, finer, finest;
+  coarse.base_triangles = 120;
+  finer.base_triangles = 480;
+  finest.base_triangles = 960;
+  const Comparison by{AttemptReason::coarse, 3, 0.001};
+  EXPECT_EQ(badness(finer, true, by), 1) << "nothing is wrong";
+  coarse.coarse = true;
+  finer.points = 2;
+  finest.coarse = true;
+  EXPECT_EQ(badness(finer, false, by), 1) << "it is not over";
+  EXPECT_LT(1, badness(finest, true, by));
+  EXPECT_LT(badness(finest, true, by), badness(finer, true, by));
+  EXPECT_LT(badness(finer, true, by), badness(coarse, true, by));
+  const auto is_given_up = [&](const Attempt& attempt) {
+    return std::isinf(badness(attempt, false, by));
+  };
+  finer.points = 3;
+  EXPECT_TRUE(is_given_up(finer)) << "it crumples";
+  finest.pulled = 0.0011;
+  EXPECT_TRUE(is_given_up(finest)) << "its handles do not hold";
+  finest.pulled = 0;
+  finest.off = 0.0011;
+  EXPECT_TRUE(is_given_up(finest)) << "a handle is off";
+}
+
 TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
   AttemptChoice choice;
-  choice.tried = {{0, 120, 0.037, 12.3, 35, 40}, {1000, 480, 0.031, 10.1, 30, 31}};
+  choice.tried.resize(2);
+  choice.tried[0].off = 0.037;
+  choice.tried[1].off = 0.031;
   EXPECT_NE(describe(choice).find("1 other is not better"), std::string::npos);
   choice.hopeless = true;
   EXPECT_EQ(describe(choice).find("not better"), std::string::npos);

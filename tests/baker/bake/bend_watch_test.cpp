@@ -45,7 +45,7 @@ TEST_F(BendWatchTest, AnEdgeThatIsDrawnAsACreaseIsTooSharpForSmoothPaper) {
   EXPECT_TRUE(watch.is_coarse());
 }
 
-TEST_F(BendWatchTest, OnlyAWholeCreaseLeavesNoDoubt) {
+TEST_F(BendWatchTest, OnlyAWholeCreaseMakesAFinerMeshDoubted) {
   show(1, 0);
   show(9, 0.75);
   EXPECT_TRUE(watch.is_coarse());
@@ -62,7 +62,10 @@ TEST_F(BendWatchTest, ATenthOfTheFramesMayBeSharp) {
 }
 
 TEST_F(BendWatchTest, WhatWasModelledSoMayBeSharp) {
-  show(10, 2);
+  statistics.on_colliders = 3;
+  show(1, 1);
+  statistics.on_colliders = 0;
+  show(9, 1);
   EXPECT_FALSE(watch.is_coarse());
   EXPECT_FALSE(watch.is_creased());
 }
@@ -70,14 +73,24 @@ TEST_F(BendWatchTest, WhatWasModelledSoMayBeSharp) {
 TEST_F(BendWatchTest, CollidersMayCreasePaper) {
   show(1, 0);
   statistics.on_colliders = 3;
-  show(9, 2);
+  show(9, 1);
+  EXPECT_FALSE(watch.is_coarse());
+  EXPECT_FALSE(watch.is_creased());
+}
+
+TEST_F(BendWatchTest, AnotherSheetMayCreasePaper) {
+  show(1, 0);
+  statistics.touching_others = 3;
+  show(9, 1);
+  EXPECT_FALSE(watch.is_coarse());
   EXPECT_FALSE(watch.is_creased());
 }
 
 TEST_F(BendWatchTest, InertiaMayBlurIt) {
   show(1, 0);
   statistics.inertia = true;
-  show(9, 2);
+  show(9, 1);
+  EXPECT_FALSE(watch.is_coarse());
   EXPECT_FALSE(watch.is_creased());
 }
 

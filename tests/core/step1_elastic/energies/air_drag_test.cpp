@@ -163,6 +163,26 @@ TEST(AirDragTest, ASheetThatGlidesAlongItselfIsSlowedByItsLaminarBoundaryLayer) 
     }
 }
 
+TEST(AirDragTest, FrictionOnASheetThatFallsLevelIsThatOfItsWholeSpeed) {
+  // its small motion sideways would have a far thicker boundary layer
+  constexpr double side = 0.2, fall = 1, sideways = 0.01;  // [m], [m/s]
+  Sheet sheet = test::hex_sheet(side, side, 4);
+  sheet.v = Points3::Zero(sheet.x.rows(), 3);
+  sheet.v.col(0).setConstant(sideways);
+  sheet.v.col(2).setConstant(-fall);
+  Air air;
+  air.density = density;
+  const AirDrag drag(air, sheet, dt, dt);
+  const double push = 1e-6;  // [m]
+  Points3 ahead = sheet.x + dt * sheet.v, behind = ahead;
+  ahead.col(0).array() += push;
+  behind.col(0).array() -= push;
+  const double force = (drag.energy(ahead) - drag.energy(behind)) / (2 * push);
+  const double friction = 2.656 / std::sqrt(density * fall * side / 1.81e-5);
+  const double expected = density / 2 * side * side * fall * friction * sideways;
+  EXPECT_NEAR(force, expected, 0.01 * expected);
+}
+
 /// [rad] from the vertical: angle at which a stiff strip of 0.1 m that hangs from its upper edge
 /// rests in a horizontal wind.
 double angle_in_wind(const Paper& paper, double speed) {
