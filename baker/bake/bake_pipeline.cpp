@@ -2,6 +2,7 @@
 
 #include "baker/bake/cached_frames.h"
 #include "baker/bake/rendered_frames.h"
+#include "baker/job/method_choice.h"
 #include "baker/job/used_values.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
@@ -148,7 +149,7 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets, MeshFea
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
   RenderPass pass(std::move(inputs), {settings.quality, left, plan.animation.fps, settings.threads,
-                                      features, context_.clock});
+                                      features, context_.clock, is_hybrid(settings)});
   for (; !stop.is_time_up() && pass.next(); ++rendered) {
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
       const StageClock::Part of_caches(context_.clock, Stage::caches);

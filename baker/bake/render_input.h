@@ -27,6 +27,9 @@ struct RenderOptions {
   int threads;
   MeshFeatures features = MeshFeatures::all;
   StageClock* clock = nullptr;  // null: nobody asks for times
+  // The method gives every sheet that crumples singular points. What may not be creased
+  // (ShotRecord::may_be_creased) is smooth then: its mesh has sharp edges because it is coarse.
+  bool smooth_without_points = false;
 };
 
 /// How many sheets have a k-th frame: the first ones.

@@ -82,6 +82,10 @@ std::vector<RenderSurface> make_render_surfaces(const std::vector<RenderInput>& 
     for (std::size_t s = 0; s < inputs.size(); ++s) {
       const Shot& shot = *inputs[s].shot;
       RenderFeatures features = inputs[s].record->features(shot);
+      if (options.smooth_without_points && !inputs[s].record->may_be_creased()) {
+        features.creases.clear();
+        features.may_crease = false;
+      }
       if (options.features == MeshFeatures::handles) {
         features.points.resize(shot.handles.size());
         features.creases.clear();

@@ -19,6 +19,9 @@ struct RenderFeatures {
   // [m] points that become vertices: handles, the rims of their discs, singular points
   std::vector<Vector2d> points;
   std::vector<CreaseSegment> creases;
+  // false: smooth paper, which is sharp along its prescribed creases alone, however coarse the
+  // triangles that it was simulated on
+  bool may_crease = true;
   // prescribed creases that are folded in the shot; they take the place of those of the pattern
   std::vector<PrescribedCrease> prescribed_creases = {};
   // edges of simulated meshes: they become rows of edges, to a millionth of the sheet

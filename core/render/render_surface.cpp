@@ -207,6 +207,7 @@ RenderSurface make_render_surface(const Pattern& pattern, const RenderFeatures& 
   const int refine = quality == Quality::hero ? 1 : 0;
   ShapeFitOptions options;
   options.length = simulated_edge / 6;
+  options.may_crease = features.may_crease;
   Pattern folded = pattern;
   folded.prescribed_creases = features.prescribed_creases;
   RenderMesh mesh = mesh_for_render(folded, edge, features, max_triangles >> (2 * refine));

@@ -172,8 +172,9 @@ Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
     const auto& t = hinges_.hinges[h].triangles;
     const bool is_smooth = normal.row(t[0]).dot(normal.row(t[1])) > smooth;
     const double c = bends_[h].sharp ? 1
-                     : is_smooth     ? 0
-                                     : crease_share(dihedral_angle(y, hinges_.hinges[h]));
+                     : is_smooth || !options_.may_crease
+                         ? 0
+                         : crease_share(dihedral_angle(y, hinges_.hinges[h]));
     const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
     const double curved =
         0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);

@@ -20,6 +20,8 @@ struct ShapeFitOptions {
   int steps = 2;
   // [1] over-relaxation of the last pass, because each falls short: with 1, c_m is a tenth larger
   double beyond = 1.5;
+  // false: only prescribed creases have c = 1, and all other hinges have c = 0
+  bool may_crease = true;
 };
 
 /// Makes a fine mesh smooth where paper is smooth, and gives it the lengths of the pattern, as near
@@ -33,9 +35,9 @@ struct ShapeFitOptions {
 /// y    the given shape
 /// a_v  area of a vertex;  A_t  of a triangle;  A_h  of the two triangles of a hinge
 /// K    quadratic bending [Bergou 2006]: the cotangents of a hinge, zero for a flat shape
-/// c    crease_share of the hinge in y: a sharp hinge keeps its bend, any other is to bend as the
-///      curvature S says: K_h S n is K of the height -1/2 q^T S q over the plane with the normal n
-///      of the hinge
+/// c    crease_share of the hinge in y, where there may be creases: a sharp hinge keeps its bend,
+///      any other is to bend as the curvature S says: K_h S n is K of the height -1/2 q^T S q over
+///      the plane with the normal n of the hinge
 /// F    gradient on the pattern
 /// R    F (F^T F)^(-1/2) at x, the nearest map without stretch
 ///

@@ -2,6 +2,7 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/render/curved_surface.h"
 
@@ -50,6 +51,8 @@ void ShotRecord::add(const AnimatedFrame& frame) {
     record.held_at.row(k) = frame.handles[record.held[k]].at;
     record.keyed.row(k) = frame.handles[record.held[k]].keyed;
   }
+  begins_sharp_ |= frames_.empty() && sharpest_fold(sheet) > crease_begins;
+  touched_ |= frame.statistics.on_colliders > 0 || frame.statistics.touching_others > 0;
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // the list only grows: paper does not heal
   folds_ = folded_creases(sheet);

@@ -48,6 +48,11 @@ class ShotRecord {
   /// that is less; the sharper they were, the less time it takes. The heaviest are those across
   /// which a render mesh without them would err most.
   RenderFeatures features(const Shot&) const;
+  /// Whether its paper may have creases: it has singular points or folds, was modelled with sharp
+  /// edges, or touched what may have creased it.
+  bool may_be_creased() const {
+    return !singular_.empty() || !folds_.empty() || begins_sharp_ || touched_;
+  }
 
   /// A triangle of one of the meshes.
   struct SimulatedTriangle {
@@ -75,6 +80,7 @@ class ShotRecord {
   std::vector<SingularPoint> singular_;
   std::vector<PrescribedCrease> folds_;
   double edges_ = 0;
+  bool begins_sharp_ = false, touched_ = false;
 };
 
 }  // namespace paperbake

@@ -164,5 +164,30 @@ TEST(RenderSurfaceTest, AShotRecordKeepsEachMeshOnceAndTheFeaturesOfTheShot) {
   EXPECT_NEAR(length, 0.1, 1e-9) << "the fold, and nothing else";
 }
 
+TEST(RenderSurfaceTest, OnlyWhatBreaksFoldsBeginsSharpOrTouchesMayBeCreased) {
+  const Sheet flat = test::hex_sheet(0.1, 0.1, 10);
+  Sheet sharp = flat;
+  for (int v = 0; v < flat.x.rows(); ++v)
+    if (const double s = flat.pattern(v, 0) - 0.05; s > 0)
+      sharp.x.row(v) << 0.05, flat.pattern(v, 1), s;
+  const auto record_of = [](const Sheet& first, const Sheet& then, int on_colliders) {
+    ShotRecord record;
+    for (int f = 1; f <= 2; ++f) {
+      AnimatedFrame frame;
+      frame.frame = f;
+      frame.sheet = f == 1 ? &first : &then;
+      frame.statistics.on_colliders = on_colliders;
+      record.add(frame);
+    }
+    return record;
+  };
+  EXPECT_FALSE(record_of(flat, sharp, 0).may_be_creased()) << "its mesh is coarse";
+  EXPECT_TRUE(record_of(sharp, flat, 0).may_be_creased());
+  EXPECT_TRUE(record_of(flat, sharp, 1).may_be_creased());
+  Sheet broken = flat;
+  broken.singular.push_back({{0.03, 0.04}, 2, "test"});
+  EXPECT_TRUE(record_of(flat, broken, 0).may_be_creased());
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -102,6 +102,14 @@ TEST(ShapeFitTest, KeepsAFoldSharp) {
   // Every other row of this mesh has its vertices beside the fold, so that the fold is a saw of one
   // edge (2 mm), and a little of that is smoothed. Rounded over 6 mm it would be a millimetre away.
   EXPECT_LT((x - sheet.x).rowwise().norm().maxCoeff(), 3e-4);
+  // the same edges are rounded where paper has no creases
+  ShapeFitOptions smooth = smooth_over(0.006);
+  smooth.may_crease = false;
+  ShapeFit round(sheet.pattern, sheet.triangles, smooth);
+  round.hold({});
+  EXPECT_GT(
+      (round(sheet.x, Points3::Zero(sheet.x.rows(), 3)) - sheet.x).rowwise().norm().maxCoeff(),
+      1e-3);
 }
 
 TEST(ShapeFitTest, HeldVerticesStayToTheLastBit) {
