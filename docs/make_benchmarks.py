@@ -44,7 +44,7 @@ SCENES = {
     "S1_push": "S1, sheet pushed into an arch",
     "S2_moebius": "S2, strip twisted into a Möbius strip",
     "S5_roll": "S5, corner carried over the sheet, no ground",
-    "S8_dcone": "S8, sheet with a d-cone",
+    "S8_dcone": "S8, sheet with clamped borders",
     "S5_ground": "S5, the same on its ground",
     "S4_crumple": "S4, sheet crumpled by eight handles",
     "S4r_release": "S4r, the same, then let go",
