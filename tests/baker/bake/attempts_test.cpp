@@ -206,6 +206,32 @@ TEST(Attempt, OnAFinerMeshIsTheWorseTheMoreIsWrongWithIt) {
   EXPECT_TRUE(is_given_up(finest)) << "a handle is off";
 }
 
+TEST(Attempt, IsNotDoubtedWhereAnySheetBeginsOnAFinerMesh) {
+  BakePlan plan = plan_of_one_sheet();
+  plan.shots.push_back(plan.shots.front());
+  for (Shot& shot : plan.shots) shot.handles.clear();
+  plan.animation.first_frame = 1;
+  plan.animation.last_frame = 4;
+  BakeSettings settings;
+  settings.resume = Resume::never;
+  const auto is_doubtful = [&](int sheet_that_begins_finer) {
+    Attempts attempts(settings, plan, fs::temp_directory_path());
+    for (int f = 1; f <= 4; ++f)
+      for (int s = 0; s < 2; ++s) {
+        AnimatedFrame frame = frame_with_handles_off(f, 0, 0);
+        frame.handles.clear();
+        frame.sheet_index = s;
+        frame.statistics.doublings = s == sheet_that_begins_finer;
+        frame.statistics.mesh_error = 0.01;
+        attempts.watch(frame);
+      }
+    return attempts.is_doubtful();
+  };
+  EXPECT_TRUE(is_doubtful(-1));
+  EXPECT_FALSE(is_doubtful(0));
+  EXPECT_FALSE(is_doubtful(1));
+}
+
 TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
   AttemptChoice choice;
   choice.tried.resize(2);
