@@ -70,28 +70,20 @@ TEST_F(BendWatchTest, WhatWasModelledSoMayBeSharp) {
   EXPECT_FALSE(watch.is_creased());
 }
 
-TEST_F(BendWatchTest, CollidersMayCreasePaper) {
-  show(1, 0);
-  statistics.on_colliders = 3;
-  show(9, 1);
-  EXPECT_FALSE(watch.is_coarse());
-  EXPECT_FALSE(watch.is_creased());
-}
-
-TEST_F(BendWatchTest, AnotherSheetMayCreasePaper) {
-  show(1, 0);
-  statistics.touching_others = 3;
-  show(9, 1);
-  EXPECT_FALSE(watch.is_coarse());
-  EXPECT_FALSE(watch.is_creased());
-}
-
-TEST_F(BendWatchTest, InertiaMayBlurIt) {
-  show(1, 0);
-  statistics.inertia = true;
-  show(9, 1);
-  EXPECT_FALSE(watch.is_coarse());
-  EXPECT_FALSE(watch.is_creased());
+TEST_F(BendWatchTest, WhatTouchesPaperMayCreaseItAndInertiaMayBlurIt) {
+  FrameStatistics on_collider, on_other_sheet, with_inertia;
+  on_collider.on_colliders = 3;
+  on_other_sheet.touching_others = 3;
+  with_inertia.inertia = true;
+  for (const FrameStatistics& excused : {on_collider, on_other_sheet, with_inertia}) {
+    watch = {};
+    statistics = {};
+    show(1, 0);
+    statistics = excused;
+    show(9, 1);
+    EXPECT_FALSE(watch.is_coarse());
+    EXPECT_FALSE(watch.is_creased());
+  }
 }
 
 TEST_F(BendWatchTest, AMeshThatPutsTheSheetOffIsCoarse) {
