@@ -6,7 +6,8 @@
 namespace paperbake {
 
 /// Whether the triangles of a sheet are too large for its bends, watched through a shot. Sheets
-/// that are modelled bent, creased or have a singular point may be as sharp as they like.
+/// that are modelled bent, creased or have a singular point may be as sharp as they like; one that
+/// is found to fold is judged by what it was before: a mesh that is too coarse makes folds, too.
 class BendWatch {
  public:
   /// Looks at the sheet at the end of a frame; the first one that it sees is the first of the shot.

@@ -28,8 +28,8 @@ class BendWatchTest : public testing::Test {
   }
 
   static constexpr double side = 0.1;  // [m]
-  const Sheet flat = test::hex_sheet(side, side, 40);
-  const Pattern pattern = [] {
+  Sheet flat = test::hex_sheet(side, side, 40);
+  Pattern pattern = [] {
     Pattern square;
     square.outline = {{0, 0}, {side, 0}, {side, side}, {0, side}};
     return square;
@@ -68,6 +68,29 @@ TEST_F(BendWatchTest, WhatWasModelledSoMayBeSharp) {
   show(9, 1);
   EXPECT_FALSE(watch.is_coarse());
   EXPECT_FALSE(watch.is_creased());
+}
+
+TEST_F(BendWatchTest, AlongACreaseOfTheSceneItMayBeSharp) {
+  show(1, 0);
+  pattern.prescribed_creases = flat.prescribed_creases = {PrescribedCrease{}};
+  show(9, 1);
+  EXPECT_FALSE(watch.is_coarse());
+  EXPECT_FALSE(watch.is_creased());
+}
+
+TEST_F(BendWatchTest, AFoldThatIsFoundInTheEndDoesNotExcuseWhatWasBefore) {
+  show(9, 0);
+  show(2, 1);
+  flat.prescribed_creases = {PrescribedCrease{}};
+  show(9, 1);
+  EXPECT_TRUE(watch.is_coarse());
+}
+
+TEST_F(BendWatchTest, FromWhereItIsFoundAFoldMayBeSharp) {
+  show(9, 0);
+  flat.prescribed_creases = {PrescribedCrease{}};
+  show(9, 1);
+  EXPECT_FALSE(watch.is_coarse());
 }
 
 TEST_F(BendWatchTest, WhatTouchesPaperMayCreaseItAndInertiaMayBlurIt) {
