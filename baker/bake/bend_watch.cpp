@@ -13,9 +13,9 @@ static constexpr double some_frames = 0.1;  // [1] of a shot
 void BendWatch::look(const AnimatedFrame& frame, const Pattern& pattern) {
   const Sheet& sheet = *frame.sheet;
   const FrameStatistics& now = frame.statistics;
-  may_be_sharp_ |= !sheet.singular.empty() || !pattern.prescribed_creases.empty();
-  const bool is_folded = !sheet.prescribed_creases.empty();
-  if (may_be_sharp_ || is_folded) return;
+  may_be_sharp_ |= !sheet.singular.empty();
+  // those of the scene or job are there from the first frame on, others from where they are found
+  if (may_be_sharp_ || !sheet.prescribed_creases.empty()) return;
   // what presses paper may crease it, and what moves fast is seen as a blur
   const bool may_be_creased = now.on_colliders > 0 || now.touching_others > 0 || now.inertia;
   const double fold = may_be_creased && frames_ > 0 ? 0 : sharpest_fold(sheet);

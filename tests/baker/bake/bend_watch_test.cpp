@@ -29,7 +29,7 @@ class BendWatchTest : public testing::Test {
 
   static constexpr double side = 0.1;  // [m]
   Sheet flat = test::hex_sheet(side, side, 40);
-  Pattern pattern = [] {
+  const Pattern pattern = [] {
     Pattern square;
     square.outline = {{0, 0}, {side, 0}, {side, side}, {0, side}};
     return square;
@@ -71,8 +71,8 @@ TEST_F(BendWatchTest, WhatWasModelledSoMayBeSharp) {
 }
 
 TEST_F(BendWatchTest, AlongACreaseOfTheSceneItMayBeSharp) {
+  flat.prescribed_creases = {PrescribedCrease{}};
   show(1, 0);
-  pattern.prescribed_creases = flat.prescribed_creases = {PrescribedCrease{}};
   show(9, 1);
   EXPECT_FALSE(watch.is_coarse());
   EXPECT_FALSE(watch.is_creased());
