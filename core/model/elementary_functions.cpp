@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -100,14 +102,33 @@ double exponential(double high, double low) {
   return std::ldexp(1 + (r + r * r * polynomial(of_exponential, r)), static_cast<int>(twos));
 }
 
+/// mantissa * 2^twos, with a mantissa from root 1/2 to root 2
+struct Scaled {
+  double mantissa;
+  int twos;
+};
+
+/// The parts of a finite positive number, read from its bits: std::frexp is a call into a library.
+Scaled scaled(double x) {
+  constexpr int mantissa_bits = 52, raised = 54;
+  constexpr double root_half = 0.70710678118654752;
+  int twos = 0;
+  if (x < std::numeric_limits<double>::min()) {  // has no exponent of its own
+    x = std::ldexp(x, raised);
+    twos = -raised;
+  }
+  std::int64_t bits, least;
+  std::memcpy(&bits, &x, sizeof x);
+  std::memcpy(&least, &root_half, sizeof root_half);
+  const std::int64_t exponent = (bits - least) >> mantissa_bits;
+  bits -= exponent << mantissa_bits;
+  std::memcpy(&x, &bits, sizeof x);
+  return {x, twos + static_cast<int>(exponent)};
+}
+
 /// Logarithm of a finite positive number.
 TwoTerms logarithm(double x) {
-  int twos;
-  double m = std::frexp(x, &twos);  // [1/2, 1)
-  if (m < 0.70710678118654752) {
-    m *= 2;
-    --twos;
-  }
+  const auto [m, twos] = scaled(x);
   // log m = 2 artanh s = f - f^2/2 + s (f^2/2 + 2 s^2 (1/3 + ...)), f = m - 1
   const double f = m - 1, s = f / (2 + f), z = s * s, half_square = 0.5 * f * f;
   const double rest = s * (half_square + 2 * z * polynomial(of_logarithm, z)) + twos * ln2_low;
