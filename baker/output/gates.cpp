@@ -216,6 +216,26 @@ int held_handles(const FrameRecord& f, const BakePlan& plan) {
   return held;
 }
 
+/// What to do where paper beyond a handle may be what is in the way; empty: there is none of about
+/// the size of the miss. Where a sheet turns about a handle that stands near its edge, as a page
+/// does about its spine, what reaches beyond the handle stands up on what lies there and lifts the
+/// handle by as much.
+std::string advice_on_paper_beyond(const Jam& jam, const FrameRecord& f, const BakePlan& plan) {
+  constexpr double about = 2;  // [1] the reach over the miss, or the reverse, assumed
+  for (const Shot& shot : plan.shots)
+    for (const Handle& handle : shot.handles) {
+      if (shot.sheet_name != f.sheet || handle.name != jam.handle) continue;
+      const double reach_mm =
+          1e3 * (handle.pattern - nearest_border_point(shot.pattern, handle.pattern)).norm();
+      if (reach_mm > about * jam.off_mm || jam.off_mm > about * reach_mm) continue;
+      return fmt::format(
+          "If the sheet turns about \"{}\" there, the {:.1f} mm of paper between it and the edge "
+          "are in the way: put it on the edge itself. ",
+          jam.handle, reach_mm);
+    }
+  return "";
+}
+
 /// Why the paper could not follow a handle.
 struct Hindrance {
   std::string why;     // what the handle is
@@ -238,8 +258,11 @@ Hindrance hindrance(const FrameRecord& f, const BakePlan& plan) {
             "hand, which gives way rather than tear the paper",
             touches.empty() ? ", though nothing touches the sheet" : ""),
         "Hold the paper with more handles, move them more slowly, or make the wind weaker."};
-  if (!touches.empty())
-    return {"jammed; the sheet touches " + touches, advice(Gate::handles, plan)};
+  if (!touches.empty()) {
+    const Jam* jam = worst_jam(f);
+    return {"jammed; the sheet touches " + touches,
+            (jam ? advice_on_paper_beyond(*jam, f, plan) : "") + advice(Gate::handles, plan)};
+  }
   if (has_start_fault(plan, f.sheet)) return {"jammed", advice(Gate::handles, plan)};
   return {
       "jammed, though nothing touches the sheet: the paper pushes back harder than a hand holds it",

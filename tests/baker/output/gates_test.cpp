@@ -233,6 +233,27 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
       << sentence;
 }
 
+TEST(Gates, PaperBeyondAHandleThatLiftsItByAsMuchIsTold) {
+  FrameRecord f = rendered(7);
+  f.statistics.handle_error_max = 3.4e-3;
+  f.statistics.on_colliders = 5;
+  f.jammed = {{"handle.spine", 3.4}};
+  const auto says = [&](double from_edge) {
+    BakePlan plan;
+    plan.shots.emplace_back();
+    plan.shots[0].sheet_name = f.sheet;
+    plan.shots[0].pattern.outline = {{0, 0}, {0.15, 0}, {0.15, 0.2}, {0, 0.2}};
+    plan.shots[0].handles = {{"handle.spine", {from_edge, 0.1}, Points3::Zero(1, 3)}};
+    return missed_gates({}, {f}, plan).at(0).advice;
+  };
+  EXPECT_EQ(says(3e-3).find("If the sheet turns about \"handle.spine\" there, the 3.0 mm of paper"),
+            0u)
+      << says(3e-3);
+  for (const double from_edge : {0.0, 1e-3, 2e-2, 0.07})
+    EXPECT_EQ(says(from_edge).find("Something is in the way"), 0u)
+        << from_edge << ": paper of another size does not lift a handle by 3.4 mm";
+}
+
 TEST(Gates, AFaultOfTheSheetThatMissesTheGateIsToldFirst) {
   FrameRecord bad = rendered(5);
   bad.sheet = "paper.b";
