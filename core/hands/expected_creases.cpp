@@ -1,5 +1,6 @@
 #include "core/hands/expected_creases.h"
 
+#include "core/geometry/line_fold.h"
 #include "core/hands/fold_axis.h"
 #include "core/hands/folded_through.h"
 #include "core/hands/gussets.h"
@@ -399,6 +400,15 @@ bool is_same_line(const Segment2& a, const Segment2& b, double side) {
   return near(a.a) && near(a.b);
 }
 
+/// Whether the sheet begins folded along a part of a line, and the other way than its hands are
+/// turned by then: as the strip of a pop-up card between two slits does that stands up from the
+/// spine. What folds it is the rest of the sheet.
+bool begins_the_other_way(const Segment2& part, const FoldAxis& axis, const Sheet& start) {
+  constexpr double clearly = radians_of(5);  // assumed
+  const double hands = axis.turn.front(), paper = fold_of_line(start, {part.a, part.b});
+  return std::min(std::abs(hands), std::abs(paper)) > clearly && hands * paper < 0;
+}
+
 /// The lines about which clamps turn, as often as two of them do.
 /// folds  that are known
 std::vector<ExpectedCrease> lines_of_hands(const Clamps& clamps, const Shot& shot,
@@ -409,6 +419,7 @@ std::vector<ExpectedCrease> lines_of_hands(const Clamps& clamps, const Shot& sho
   for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
     for (const FoldAxis& axis : axes)
       for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot)) {
+        if (begins_the_other_way(part, axis, shot.start)) continue;
         ExpectedCrease crease{part,
                               {},
                               {},

@@ -66,6 +66,9 @@ double largest_turn(const ExpectedCrease&);
 /// in three quarters of the frames on the way to the largest turn, from 20 degrees on; others carry
 /// the paper along a curve, and bend it or roll it up.
 ///
+/// Hands do not fold a part of their line along which the sheet begins folded the other way than
+/// they are turned in the first frame, by more than 5 degrees each.
+///
 /// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///
 /// Creases that the artist has drawn along a line, to within 1 % of the longer side, are what hands

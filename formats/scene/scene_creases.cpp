@@ -1,8 +1,8 @@
 #include "formats/scene/scene_creases.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/line_fold.h"
 #include "core/geometry/measure.h"
-#include "core/geometry/point_location.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/degrees.h"
 #include "core/model/error.h"
@@ -190,30 +190,11 @@ std::optional<double> rest_angle(const SceneNodes& scene, const ImportedNode& no
   return radians_of(angle);
 }
 
-/// The angle by which the start shape is folded along a line of its pattern, at most max_angle;
-/// > 0 bulges towards the normals. The mean over the parts of the line. [rad]
-double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, double side) {
-  constexpr double beside = 1e-4;  // of the longer side: how far from the line the sides are seen
-  const PointLocator locator(start.pattern, start.triangles);
-  const auto normal_at = [&](const Vector2d& p) {
-    const Eigen::RowVector3i t = start.triangles.row(locator.locate(p).triangle);
-    const Vector3d a = start.x.row(t[0]), b = start.x.row(t[1]), c = start.x.row(t[2]);
-    return triangle_normal(a, b, c);
-  };
-  double sum = 0, length = 0;
-  for (std::size_t k = 0; k + 1 < line.size(); ++k) {
-    const Vector2d along = line[k + 1] - line[k], middle = 0.5 * (line[k] + line[k + 1]),
-                   off = beside * side * Vector2d(-along.y(), along.x()).normalized();
-    const Vector3d left = normal_at(middle + off), right = normal_at(middle - off);
-    const auto on_start = [&](const Vector2d& p) {
-      return interpolate(locator.locate(p), start.triangles, start.x);
-    };
-    const Vector3d axis = (on_start(line[k + 1]) - on_start(line[k])).normalized();
-    sum += along.norm() * angle_about(axis, left, right);
-    length += along.norm();
-  }
+/// The angle by which the start shape is folded along a line of its pattern, at most max_angle.
+/// [rad]
+double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line) {
   const double most = radians_of(max_angle);
-  return length > 0 ? std::clamp(sum / length, -most, most) : 0;
+  return std::clamp(fold_of_line(start, line), -most, most);
 }
 
 /// Adds the creases that a node defines to a sheet; returns their number.
@@ -237,7 +218,7 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Points3& x,
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
     PrescribedCrease crease{simplified(line, side)};
-    crease.angle = angle ? *angle : modelled_angle(sheet.start, crease.line, side);
+    crease.angle = angle ? *angle : modelled_angle(sheet.start, crease.line);
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -264,6 +265,64 @@ TEST(ExpectedCreasesTest, AHoleDividesALine) {
   EXPECT_EQ(lines.size(), 3u);
   EXPECT_TRUE(line_between(lines, {0, low_fold}, {0.08, low_fold}));
   EXPECT_TRUE(line_between(lines, {0.13, low_fold}, {0.210, low_fold}));
+}
+
+/// A card with a spine at u = 80 mm that stands open by 2 x `angle`, with two slits across the
+/// spine. The strip between them stands up from it where `popped`.
+Shot pop_up_card(double angle, bool popped) {
+  const std::vector<double> us{0, 0.05, 0.08, 0.11, 0.16}, vs{0, 0.04, 0.041, 0.079, 0.08, 0.12};
+  Pattern pattern;
+  pattern.outline = {{0, 0}, {us[4], 0}, {us[4], vs[5]}, {0, vs[5]}};
+  for (const int k : {1, 3})
+    pattern.holes.push_back(
+        {{us[1], vs[k]}, {us[1], vs[k + 1]}, {us[3], vs[k + 1]}, {us[3], vs[k]}});
+  Shot shot = test::blank_shot(pattern);
+  Sheet& start = shot.start;
+  start = {};
+  start.pattern.resize(30, 2);
+  start.x.resize(30, 3);
+  const auto half = [&](double u) { return (u - us[2]) * std::cos(angle); };
+  const auto height = [&](double u) { return std::abs(u - us[2]) * std::sin(angle); };
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 5; ++i) {
+      const bool stands_up = popped && i == 2 && (j == 2 || j == 3);
+      start.pattern.row(5 * j + i) << us[i], vs[j];
+      start.x.row(5 * j + i) << half(us[i]), vs[j], stands_up ? 2 * height(us[1]) : height(us[i]);
+    }
+  std::vector<std::array<int, 3>> triangles;
+  for (int j = 0; j < 5; ++j)
+    for (int i = 0; i < 4; ++i) {
+      if ((j == 1 || j == 3) && (i == 1 || i == 2)) continue;  // the slits
+      const int a = 5 * j + i;
+      triangles.push_back({a, a + 1, a + 6});
+      triangles.push_back({a, a + 6, a + 5});
+    }
+  start.triangles.resize(static_cast<int>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    start.triangles.row(static_cast<int>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
+  for (const double side : {-1, 1})
+    for (const Vector2d& p : {Vector2d(0.07, 0.01), Vector2d(0.07, 0.11), Vector2d(0.05, 0.06)}) {
+      Handle handle = test::bare_handle("handle." + std::to_string(shot.handles.size()),
+                                        {us[2] + side * p.x(), p.y()}, frames);
+      for (int f = 0; f < frames; ++f) {
+        const double now = angle + f / (frames - 1.0) * (85 * degrees - angle);
+        handle.keyed.row(f) << side * p.x() * std::cos(now), p.y(), p.x() * std::sin(now);
+      }
+      shot.handles.push_back(handle);
+    }
+  return shot;
+}
+
+TEST(ExpectedCreasesTest, HandsDoNotFoldAStripThatBeginsFoldedTheOtherWay) {
+  const Vector2d low(0.08, 0.041), high(0.08, 0.079);
+  for (const double angle : {5 * degrees, 45 * degrees}) {
+    const std::vector<ExpectedCrease> popped = lines_of(pop_up_card(angle, true));
+    EXPECT_EQ(popped.size(), 2u) << "the spine on both sides of the strip";
+    EXPECT_FALSE(line_between(popped, low, high));
+    const std::vector<ExpectedCrease> flat = lines_of(pop_up_card(angle, false));
+    EXPECT_EQ(flat.size(), 3u);
+    EXPECT_TRUE(line_between(flat, low, high)) << "folded like the spine, it is part of it";
+  }
 }
 
 TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
