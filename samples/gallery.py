@@ -1,4 +1,4 @@
-"""Writes the scenes G1 to G11, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G12, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -260,9 +260,56 @@ def upright():
     return 60
 
 
+def popup():
+    """A card with two strips cut across its spine, which stand up as two boxes when it is opened."""
+    half, height, last = 0.09, 0.13, 48
+    strips = ((0.02, 0.06, 0.03), (0.075, 0.11, 0.018))  # lower and upper cut, depth from the spine
+    shut, open_ = math.radians(80), math.radians(45)  # steepness of both halves
+
+    def on_half(side, out, along, steep):
+        return side * out * math.cos(steep), along, out * math.sin(steep)
+
+    outs = sorted({0, half, *(depth for *_, depth in strips)})
+    columns = [-out for out in reversed(outs[1:])] + outs
+    rows = sorted({0, height, *(along for strip in strips for along in strip[:2])})
+    corners, faces, number = [], [], {}
+
+    def corner(column, row, strip):
+        depth = strip[2] if strip else 0
+        key = column, row, strip if abs(column) < depth else None
+        if key not in number:
+            number[key] = len(corners)
+            x, y, z = on_half(math.copysign(1, column), abs(column), row, shut)
+            corners.append((x, y, 2 * depth * math.sin(shut) - z) if key[2] else (x, y, z))
+        return number[key]
+
+    def strip_at(column, row):
+        return next((s for s in strips if s[0] < row < s[1] and abs(column) < s[2]), None)
+
+    folds = []
+    for low, high in zip(rows, rows[1:]):
+        for left, right in zip(columns, columns[1:]):
+            strip = strip_at((left + right) / 2, (low + high) / 2)
+            at = [corner(*c, strip) for c in ((left, low), (right, low), (right, high), (left, high))]
+            faces.append(at)
+            folds += [(at[1], at[2])] if right == 0 or strip and abs(right) == strip[2] else []
+            folds += [(at[0], at[3])] if strip and left == -strip[2] else []
+    mesh, creases = bpy.data.meshes.new("card"), bpy.data.meshes.new("crease")
+    mesh.from_pydata(corners, [], faces)
+    creases.from_pydata(corners, folds, [])
+    place("paper.card", mesh, paper_preset="card200", **EARTH)
+    place("crease.card", creases, paper_crease="modelled")
+    for side in (-1, 1):
+        for i, (out, along) in enumerate(((0.08, 0.01), (0.08, 0.12), (0.05, 0.065))):
+            carry(f"half.{side}.{i}", lambda frame, at=(side, out, along): on_half(
+                *at, shut + (open_ - shut) * eased(frame, 36)), last, "card")
+    return last
+
+
 SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
           "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats,
-          "G8_strip": strip, "G9_plane": plane, "G10_arch": arch, "G11_upright": upright}
+          "G8_strip": strip, "G9_plane": plane, "G10_arch": arch, "G11_upright": upright,
+          "G12_popup": popup}
 
 
 def main(names):

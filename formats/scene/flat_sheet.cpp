@@ -4,6 +4,7 @@
 #include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
+#include "formats/scene/open_slits.h"
 #include "formats/scene/scene_unroll.h"
 #include "formats/scene/welded_mesh.h"
 
@@ -253,6 +254,9 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
     mesh = weld(all, false);
     check_mesh(mesh, place);
     flat = unrolled(mesh, place);
+  }
+  open_slits(*flat, mesh.triangles);
+  if (!from_uv) {
     lay_along_longest_side(*flat, pattern_of(*flat, mesh.triangles, place));
     if (all.uv.rows() > 0) turn_as_uv(*flat, mesh.triangles, all);
   }

@@ -29,7 +29,8 @@ Pattern pattern_of(const Points2& flat, const Triangles&, const std::string& pla
 
 /// Makes a sheet of all faces of a node. The pattern is the UV layout where it agrees with the edge
 /// lengths, else the unrolled mesh. Vertices are welded within 1e-6 of the size, and for a pattern
-/// from UVs within 1e-4 in uv: a sheet that is cut in its UVs stays cut.
+/// from UVs within 1e-4 in uv: a sheet that is cut in its UVs stays cut. Cuts without width are
+/// opened (open_slits.h).
 /// world   transform of the node in metres: a reflection turns its faces
 /// x       |V|x3 [m] the vertices of all its meshes
 /// throws  Error(ErrorCode::scene) at `place`: no faces, faces without area, several pieces, edges

@@ -1,5 +1,6 @@
 // The sheet and its pattern from meshes written by hand.
 
+#include "core/geometry/pattern_mesh.h"
 #include "core/model/segment2.h"
 #include "formats/scene/scene_file.h"
 #include "formats/scene/scene_properties.h"
@@ -8,10 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace paperbake {
 namespace {
@@ -138,6 +142,56 @@ TEST(SceneSheets, ASheetCutInItsUvsStaysCut) {
   EXPECT_LT(longer_side(scene.sheets[0].pattern), 0.1 * M_PI);
   mesh.uv.clear();
   EXPECT_ERROR(HeldSheet(mesh).write("closed_tube.gltf"), "closes on itself");
+}
+
+/// A square of 0.2 m that is cut without width from (0.1, 0) to (0.1, 0.05) and from (0.05, 0.1) to
+/// (0.15, 0.1). One side of each cut lies 10 um higher: vertices in one place would be welded.
+FlatMesh cut_sheet() {
+  FlatMesh mesh = grid(4, 4, 0.2, 0.2);
+  const auto cut = [&](int vertex, const std::function<bool(const Vector3d&)>& is_beyond) {
+    const int copy = static_cast<int>(mesh.x.size());
+    mesh.x.push_back(mesh.x[vertex] + Vector3d(0, 0, 1e-5));
+    if (!mesh.uv.empty()) mesh.uv.push_back(mesh.uv[vertex]);
+    for (std::size_t t = 0; t < mesh.corners.size(); t += 3) {
+      Vector3d middle(0, 0, 0);
+      for (int k = 0; k < 3; ++k) middle += mesh.x[mesh.corners[t + k]] / 3;
+      if (!is_beyond(middle)) continue;
+      for (int k = 0; k < 3; ++k)
+        if (static_cast<int>(mesh.corners[t + k]) == vertex) mesh.corners[t + k] = copy;
+    }
+  };
+  const auto vertex_at = [&](double x, double y) {
+    return static_cast<int>(std::min_element(mesh.x.begin(), mesh.x.end(),
+                                             [&](const Vector3d& a, const Vector3d& b) {
+                                               const Vector3d p(x, y, 0);
+                                               return (a - p).norm() < (b - p).norm();
+                                             }) -
+                            mesh.x.begin());
+  };
+  cut(vertex_at(0.1, 0), [](const Vector3d& p) { return p.x() > 0.1; });
+  cut(vertex_at(0.1, 0.1), [](const Vector3d& p) { return p.y() > 0.1; });
+  return mesh;
+}
+
+TEST(SceneSheets, CutsWithoutWidthAreOpened) {
+  const Scene scene = read_scene(HeldSheet(cut_sheet()).write("cuts.gltf"));
+  const Pattern& pattern = scene.sheets.at(0).pattern;
+  constexpr double half = 1e-4 * 0.2;  // width, where it is widest
+  ASSERT_EQ(pattern.holes.size(), 1u);
+  EXPECT_NEAR(area(pattern), 0.04 - 0.1 * half - 0.05 * half, 1e-8);
+  const auto has_corner = [&](const std::vector<Vector2d>& polygon, const Vector2d& p) {
+    return std::any_of(polygon.begin(), polygon.end(),
+                       [&](const Vector2d& q) { return (p - q).norm() < 1e-7; });
+  };
+  for (const Vector2d& tip : {Vector2d(0.05, 0.1), Vector2d(0.15, 0.1)})
+    EXPECT_TRUE(has_corner(pattern.holes[0], tip));
+  EXPECT_TRUE(has_corner(pattern.outline, {0.1, 0.05})) << "the tip of the cut in the border";
+  for (const double side : {-half, half}) {
+    EXPECT_TRUE(has_corner(pattern.holes[0], {0.1, 0.1 + side}));
+    EXPECT_TRUE(has_corner(pattern.outline, {0.1 + side, 0}));
+  }
+  EXPECT_NO_THROW(mesh_pattern(pattern, 0.01, {}));
+  EXPECT_NO_THROW(mesh_pattern(pattern, 0.04, {}));
 }
 
 TEST(SceneSheets, ABowlIsNotDevelopable) {

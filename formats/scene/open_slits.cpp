@@ -1,0 +1,66 @@
+#include "formats/scene/open_slits.h"
+
+#include "core/geometry/measure.h"
+#include "core/geometry/mesh_edges.h"
+#include "core/model/segment2.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+constexpr double half_width = 1e-4;  // [1] of the longer side: of a slit that was opened
+
+/// A border edge, with the paper on its left.
+struct BorderEdge {
+  int from, to;
+  Vector2d a, b, along;  // [m] its ends, and its direction, of length 1
+
+  Vector2d left() const { return {-along.y(), along.x()}; }
+};
+
+/// Whether two border edges run along each other in opposite directions, within `near` [m].
+bool lie_on_each_other(const BorderEdge& e, const BorderEdge& f, double near) {
+  constexpr double opposite = -0.999;  // [1] cosine
+  if (e.along.dot(f.along) > opposite) return false;
+  const double from = std::max(0.0, e.along.dot(f.b - e.a)),
+               to = std::min((e.b - e.a).norm(), e.along.dot(f.a - e.a));
+  if (to - from <= near) return false;
+  const Vector2d middle = e.a + 0.5 * (from + to) * e.along;
+  return distance_to_segment(middle, f.a, f.b) <= near;
+}
+
+}  // namespace
+
+void open_slits(Points2& flat, const Triangles& triangles) {
+  std::vector<BorderEdge> border;
+  for (const auto& [from, to] : border_of(MeshEdges(triangles))) {
+    const Vector2d a = flat.row(from), b = flat.row(to);
+    if (a != b) border.push_back({from, to, a, b, (b - a).normalized()});
+  }
+  // edges that run along each other overlap in x, or in y if they run upwards
+  std::sort(border.begin(), border.end(), [](const BorderEdge& e, const BorderEdge& f) {
+    return std::pair(std::min(e.a.x(), e.b.x()), e.from) <
+           std::pair(std::min(f.a.x(), f.b.x()), f.from);
+  });
+  const double width = half_width * longer_side(flat);
+  std::vector<char> is_tip(flat.rows(), 0);
+  Points2 inwards = Points2::Zero(flat.rows(), 2);
+  for (std::size_t i = 0; i < border.size(); ++i)
+    for (std::size_t j = i + 1; j < border.size(); ++j) {
+      const BorderEdge &e = border[i], &f = border[j];
+      if (std::min(f.a.x(), f.b.x()) > std::max(e.a.x(), e.b.x()) + width) break;
+      if (!lie_on_each_other(e, f, width)) continue;
+      if (e.to == f.from) is_tip[e.to] = 1;
+      if (f.to == e.from) is_tip[f.to] = 1;
+      for (const BorderEdge* edge : {&e, &f})
+        for (const int v : {edge->from, edge->to}) inwards.row(v) += edge->left().transpose();
+    }
+  for (int v = 0; v < flat.rows(); ++v)
+    if (!is_tip[v] && inwards.row(v).norm() > 0.5)
+      flat.row(v) += width * inwards.row(v).normalized();
+}
+
+}  // namespace paperbake
