@@ -7,6 +7,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/hands/handle_feasibility.h"
+#include "core/model/air.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -120,7 +121,24 @@ void CertificateRecorder::measure_motion(const WrittenFrame& now,
   if (const auto& colliders = bake_.plan.shots[sheet_].colliders)
     for (int frame = before_->frame + 1; frame <= now.frame; ++frame)
       by_colliders += farthest_move(*colliders, frame - bake_.plan.animation.first_frame);
-  statistics.driven = std::max(statistics.driven, by_colliders);
+  statistics.driven = std::max({statistics.driven, by_colliders, way_of_wind(now, statistics)});
+}
+
+double CertificateRecorder::way_of_wind(const WrittenFrame& now,
+                                        const FrameStatistics& statistics) const {
+  if (!statistics.inertia) return 0;
+  const AnimateOptions& options = bake_.plan.animation;
+  double way = 0;
+  for (int frame = before_->frame + 1; frame <= now.frame; ++frame) {
+    double fastest = 0;
+    for (int s = 0; s < now.samples.rows(); ++s)
+      fastest = std::max(
+          fastest, air_velocity(options.elastic.air, (frame - options.first_frame) / options.fps,
+                                now.samples.row(s).transpose())
+                       .norm());
+    way += fastest / options.fps;
+  }
+  return way;
 }
 
 /// A stored energy is a sum of squares. And paper that moves, or whose handles move, does not stand

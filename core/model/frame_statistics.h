@@ -35,7 +35,7 @@ struct FrameStatistics {
   int crossings_with_others = 0;
   // since the frame before that is recorded; 0 in the first
   double moved = 0;   // [m] root mean square over the sheet
-  double driven = 0;  // [m] farthest way of what drives it: of a handle or of a collider
+  double driven = 0;  // [m] farthest way of what drives it: of a handle, a collider or the wind
 
   // of what is handed on; of the simulated mesh where nothing is
   double inside = 0;  // [m] how deep its deepest point is inside a collider

@@ -300,6 +300,21 @@ TEST_F(BakeCommandTest, EveryLineSaysHowFarTheSheetAndWhatDrivesItHaveMoved) {
   }
 }
 
+TEST_F(BakeCommandTest, WindDrivesASheetWithInertiaAlone) {
+  for (const bool inertia : {true, false}) {
+    ASSERT_EQ(run({"bake", samples + "/S1_push.glb", "-o", output(), "--frames", "1-3", "--formats",
+                   "cert", "--mesh", "simulation", "--wind", "2.4,0,0", "--dynamics",
+                   inertia ? "on" : "off"})
+                  .code,
+              0);
+    for (const Record& line : frames_of(output())) {
+      if (line["frame"] == 1) continue;
+      const double driven = line["driven_mm"];
+      EXPECT_EQ(std::abs(driven - 2400 / 24.0) < 0.01, inertia) << driven;
+    }
+  }
+}
+
 TEST_F(BakeTest, ASheetThatHandlesDriveMoves) {
   for (const Record& line : frames_of(output())) {
     const bool is_first = line["frame"] == 1;
