@@ -22,16 +22,6 @@ namespace {
 
 constexpr unsigned seed_step = 1000;
 
-/// How many times as many triangles the first mesh of an attempt has. Sheets that lock on the mesh
-/// of the first attempt do so less often on twice as fine a one, and some only on a still finer one
-/// not at all. A mesh that is doubted becomes finer until it is not.
-int refinement(std::size_t attempt, AttemptReason reason) {
-  if (attempt == 0) return 1;
-  const bool is_odd = attempt % 2 == 1;
-  if (reason == AttemptReason::handle_off) return is_odd ? 2 : 4;
-  return is_odd ? 4 : 8;
-}
-
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
 /// those of the candidates that are most likely to be chosen next.
 void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candidate& chosen,
@@ -60,6 +50,13 @@ void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candida
 
 }  // namespace
 
+int refinement(std::size_t attempt, AttemptReason reason, int doublings) {
+  if (attempt == 0) return 1;
+  const bool is_odd = attempt % 2 == 1;
+  const int ladder = reason == AttemptReason::handle_off ? (is_odd ? 2 : 4) : (is_odd ? 4 : 8);
+  return ladder << doublings;
+}
+
 Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::filesystem::path state)
     : settings_(settings),
       first_(plan),
@@ -76,7 +73,8 @@ void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
   if (may_be_finer(settings_)) {
-    begins_finer_ |= frame.frame == first_.animation.first_frame && frame.statistics.doublings > 0;
+    if (frame.frame == first_.animation.first_frame)
+      doublings_at_start_ = std::max(doublings_at_start_, frame.statistics.doublings);
     bends_[frame.sheet_index].look(frame, first_.shots[frame.sheet_index].pattern);
   }
   const int row = frame.frame - first_.animation.first_frame;
@@ -105,7 +103,7 @@ bool Attempts::is_doubtful() const {
 }
 
 bool Attempts::is_mesh_doubted() const {
-  return watches_ && !failing_ && may_be_finer(settings_) && !begins_finer_ &&
+  return watches_ && !failing_ && may_be_finer(settings_) && doublings_at_start_ == 0 &&
          worst_miss(seen_) <= 1 && (seen_.points > 0 || is_coarse());
 }
 
@@ -123,7 +121,7 @@ bool Attempts::is_coarse() const {
 
 BakeSettings Attempts::settings_of(std::size_t number) const {
   BakeSettings settings = settings_;
-  if (may_be_finer(settings_)) settings.base_triangles *= refinement(number, reason_);
+  if (may_be_finer(settings_)) settings.base_triangles *= refinement(number, reason_, doublings_);
   return settings;
 }
 
@@ -219,6 +217,7 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
             : seen_.points > 0 ? AttemptReason::crumpled
                                : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
+  doublings_ = handles_moved_ ? doublings_at_start_ : 0;
   std::vector<std::unique_ptr<Candidate>> all;
   const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
   while (all.size() < at_once) all.push_back(make_candidate(all.size(), stop, clock));
@@ -293,6 +292,7 @@ void Attempts::keep_choice(const AttemptChoice& choice) const {
                                          {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
                                          {"hopeless", choice.hopeless},
+                                         {"doublings", doublings_},
                                          {"tried", tried}}));
 }
 
@@ -307,6 +307,7 @@ bool Attempts::load_choice() {
     choice.baked = kept.at("baked");
     choice.hopeless = kept.at("hopeless");
     reason_ = choice.reason;
+    doublings_ = kept.at("doublings");
     for (const Json& of_attempt : kept.at("tried")) {
       Attempt attempt = describe_attempt(choice.tried.size());
       attempt.off = of_attempt.at(0);

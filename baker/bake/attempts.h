@@ -39,7 +39,9 @@ namespace paperbake {
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
-/// third, the fifth and so on of four times as many, unless a number of triangles was asked for.
+/// third, the fifth and so on of four times as many, unless a number of triangles was asked for. A
+/// rehearsal may have given the first one more than it was to have: where handles move, they are
+/// times as many as it began with.
 ///
 /// source  this project
 class Attempts {
@@ -103,12 +105,20 @@ class Attempts {
   std::vector<BendWatch> bends_;  // of its sheets
   AttemptReason reason_ = AttemptReason::handle_off;
   bool watches_, failing_ = false, has_chosen_ = false;
-  // whether a sheet begins on a finer mesh than asked for, by a rehearsal, which knows those beyond
-  // it, too, or as a flag
-  bool begins_finer_ = false;
+  // how often the number of triangles was doubled before a sheet of the first attempt began: by a
+  // rehearsal, which knows finer meshes, too, or as that of a flag
+  int doublings_at_start_ = 0;
+  int doublings_ = 0;  // with which the meshes of the other attempts begin
   Recorded recorded_ = Recorded::nothing;
   bool handles_moved_ = false, colliders_moved_ = false;  // whether any has (have_moved)
 };
+
+/// How many times as many triangles as asked for the first mesh of an attempt has. Sheets that lock
+/// on the mesh of the first attempt do so less often on twice as fine a one, and some only on a
+/// still finer one not at all. A mesh that is doubted becomes finer until it is not.
+/// doublings  of the mesh with which the first attempt began: what locks on it would also lock on
+///            coarser ones
+int refinement(std::size_t attempt, AttemptReason, int doublings);
 
 /// Whether any handle is keyed farther from where it was in the first frame than the gate of
 /// handles allows it to be off.

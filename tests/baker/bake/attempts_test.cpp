@@ -232,6 +232,18 @@ TEST(Attempt, IsNotDoubtedWhereAnySheetBeginsOnAFinerMesh) {
   EXPECT_FALSE(is_doubtful(1));
 }
 
+TEST(Attempt, IsFinerThanTheMeshWithWhichTheFirstOneBegan) {
+  const auto ladder = [](AttemptReason reason, int doublings) {
+    std::vector<int> of_attempts;
+    for (std::size_t k = 0; k < 4; ++k) of_attempts.push_back(refinement(k, reason, doublings));
+    return of_attempts;
+  };
+  EXPECT_EQ(ladder(AttemptReason::handle_off, 0), (std::vector<int>{1, 2, 4, 2}));
+  EXPECT_EQ(ladder(AttemptReason::crumpled, 0), (std::vector<int>{1, 4, 8, 4}));
+  // a rehearsal doubles the first one itself
+  EXPECT_EQ(ladder(AttemptReason::handle_off, 2), (std::vector<int>{1, 8, 16, 8}));
+}
+
 TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
   AttemptChoice choice;
   choice.tried.resize(2);
