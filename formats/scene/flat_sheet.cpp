@@ -4,6 +4,7 @@
 #include "core/geometry/mesh_edges.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
+#include "formats/scene/joined_cuts.h"
 #include "formats/scene/open_slits.h"
 #include "formats/scene/scene_unroll.h"
 #include "formats/scene/welded_mesh.h"
@@ -270,6 +271,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
   sheet.start.triangles = mesh.triangles;
   sheet.kept = std::move(mesh.kept);
   sheet.from_uv = from_uv;
+  sheet.joined_cuts = joined_cuts(file, node, all, mesh);
   sheet.authored = authored_on(file, node, all);  // welding keeps the triangles and their order
   sheet.authored.pattern = sheet.start.pattern;
   sheet.authored.triangles = sheet.start.triangles;

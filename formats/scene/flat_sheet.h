@@ -19,6 +19,7 @@ struct FlatSheet {
   Sheet start;
   std::vector<int> kept;  // of the vertices of all meshes of the node: those of `start`
   bool from_uv = false;   // else unrolled
+  int joined_cuts = 0;    // edges at which there may have been a cut (joined_cuts.h)
   AuthoredSurface authored;
 };
 

@@ -163,6 +163,13 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eige
   const ImportedNode& node = scene.file.nodes[index];
   SceneSheet sheet;
   FlatSheet flat = flat_sheet_at_start(scene, index, world, sheet, warnings);
+  if (flat.joined_cuts > 0)
+    warnings.push_back(fmt::format(
+        "At {} {} of the sheet \"{}\" the faces have vertices of their own, as at a cut, but in "
+        "one "
+        "place: they are joined. To keep a cut, move its sides apart at frame {}, be it by a "
+        "hundredth of a millimetre.",
+        flat.joined_cuts, flat.joined_cuts == 1 ? "edge" : "edges", node.name, scene.first_frame));
   sheet.name = node.name;
   sheet.pattern = std::move(flat.pattern);
   sheet.start = std::move(flat.start);

@@ -145,12 +145,13 @@ TEST(SceneSheets, ASheetCutInItsUvsStaysCut) {
 }
 
 /// A square of 0.2 m that is cut without width from (0.1, 0) to (0.1, 0.05) and from (0.05, 0.1) to
-/// (0.15, 0.1). One side of each cut lies 10 um higher: vertices in one place would be welded.
-FlatMesh cut_sheet() {
+/// (0.15, 0.1).
+/// apart  [m] one side of each cut lies higher by this: vertices in one place would be welded
+FlatMesh cut_sheet(double apart = 1e-5) {
   FlatMesh mesh = grid(4, 4, 0.2, 0.2);
   const auto cut = [&](int vertex, const std::function<bool(const Vector3d&)>& is_beyond) {
     const int copy = static_cast<int>(mesh.x.size());
-    mesh.x.push_back(mesh.x[vertex] + Vector3d(0, 0, 1e-5));
+    mesh.x.push_back(mesh.x[vertex] + Vector3d(0, 0, apart));
     if (!mesh.uv.empty()) mesh.uv.push_back(mesh.uv[vertex]);
     for (std::size_t t = 0; t < mesh.corners.size(); t += 3) {
       Vector3d middle(0, 0, 0);
@@ -192,6 +193,29 @@ TEST(SceneSheets, CutsWithoutWidthAreOpened) {
   }
   EXPECT_NO_THROW(mesh_pattern(pattern, 0.01, {}));
   EXPECT_NO_THROW(mesh_pattern(pattern, 0.04, {}));
+}
+
+TEST(SceneSheets, CutsWhoseSidesLieInOnePlaceAreJoinedWithAWarning) {
+  const auto warning = [](const FlatMesh& mesh) {
+    for (const std::string& said : read_scene(HeldSheet(mesh).write("joined.gltf")).warnings)
+      if (said.find("as at a cut") != std::string::npos) return said;
+    return std::string();
+  };
+  EXPECT_EQ(warning(cut_sheet(0)).find("At 3 edges of the sheet \"paper\""), 0u)
+      << warning(cut_sheet(0));
+  EXPECT_EQ(warning(cut_sheet()), "") << "its cuts are kept";
+  EXPECT_EQ(warning(grid(4, 4, 0.2, 0.2)), "");
+  // whole paper, of which an exporter has split all vertices, or those at the border of a uv island
+  FlatMesh split, islands = grid(4, 4, 0.2, 0.2);
+  for (const auto corner : islands.corners) {
+    split.corners.push_back(static_cast<int>(split.x.size()));
+    split.x.push_back(islands.x[corner]);
+    split.uv.push_back(islands.uv[corner]);
+  }
+  EXPECT_EQ(warning(split), "");
+  islands = cut_sheet(0);
+  for (std::size_t v = 25; v < islands.x.size(); ++v) islands.uv[v] += Vector2d(2, 0);
+  EXPECT_EQ(warning(islands), "");
 }
 
 TEST(SceneSheets, ABowlIsNotDevelopable) {
