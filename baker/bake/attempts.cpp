@@ -8,6 +8,7 @@
 #include "baker/output/gates.h"
 #include "baker/output/output_folder.h"
 #include "core/geometry/collider_motion.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -217,7 +218,7 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
             : seen_.points > 0 ? AttemptReason::crumpled
                                : AttemptReason::coarse;
   seen_.coarse = reason_ == AttemptReason::coarse;
-  doublings_ = handles_moved_ ? doublings_at_start_ : 0;
+  doublings_ = handles_moved_ ? std::min(doublings_at_start_, doublings_to_bend) : 0;
   std::vector<std::unique_ptr<Candidate>> all;
   const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
   while (all.size() < at_once) all.push_back(make_candidate(all.size(), stop, clock));

@@ -131,11 +131,12 @@ double CertificateRecorder::way_of_wind(const WrittenFrame& now,
   double way = 0;
   for (int frame = before_->frame + 1; frame <= now.frame; ++frame) {
     double fastest = 0;
-    for (int s = 0; s < now.samples.rows(); ++s)
-      fastest = std::max(
-          fastest, air_velocity(options.elastic.air, (frame - options.first_frame) / options.fps,
-                                now.samples.row(s).transpose())
-                       .norm());
+    for (const int at : {frame - 1, frame})
+      for (int k = 0; k < now.samples.rows(); ++k) {
+        const double time = (at - options.first_frame) / options.fps;
+        const Vector3d p = now.samples.row(k);
+        fastest = std::max(fastest, air_velocity(options.elastic.air, time, p).norm());
+      }
     way += fastest / options.fps;
   }
   return way;

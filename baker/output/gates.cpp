@@ -226,7 +226,8 @@ std::string advice_on_paper_beyond(const Jam& jam, const FrameRecord& f, const B
     for (const Handle& handle : shot.handles) {
       if (shot.sheet_name != f.sheet || handle.name != jam.handle) continue;
       const double reach_mm =
-          1e3 * (handle.pattern - nearest_border_point(shot.pattern, handle.pattern)).norm();
+          1e3 * (handle.pattern - nearest_border_point({shot.pattern.outline, {}}, handle.pattern))
+                    .norm();
       if (reach_mm > about * jam.off_mm || jam.off_mm > about * reach_mm) continue;
       return fmt::format(
           "If the sheet turns about \"{}\" there, the {:.1f} mm of paper between it and the edge "

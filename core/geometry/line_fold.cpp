@@ -5,8 +5,7 @@
 
 namespace paperbake {
 
-double fold_of_line(const Sheet& sheet, const std::vector<Vector2d>& line) {
-  constexpr double beside = 1e-4;  // of the longer side: how far from the line the sides are seen
+double fold_of_line(const Sheet& sheet, const std::vector<Vector2d>& line, double beside) {
   const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto normal_at = [&](const Vector2d& p) {
     const Eigen::RowVector3i t = sheet.triangles.row(locator.locate(p).triangle);
@@ -16,11 +15,10 @@ double fold_of_line(const Sheet& sheet, const std::vector<Vector2d>& line) {
   const auto on_sheet = [&](const Vector2d& p) {
     return interpolate(locator.locate(p), sheet.triangles, sheet.x);
   };
-  const double side = longer_side(sheet.pattern);
   double sum = 0, length = 0;
   for (std::size_t k = 0; k + 1 < line.size(); ++k) {
     const Vector2d along = line[k + 1] - line[k], middle = 0.5 * (line[k] + line[k + 1]),
-                   off = beside * side * Vector2d(-along.y(), along.x()).normalized();
+                   off = beside * Vector2d(-along.y(), along.x()).normalized();
     const Vector3d left = normal_at(middle + off), right = normal_at(middle - off);
     const Vector3d axis = (on_sheet(line[k + 1]) - on_sheet(line[k])).normalized();
     sum += along.norm() * angle_about(axis, left, right);

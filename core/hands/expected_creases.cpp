@@ -210,6 +210,13 @@ Vector2d mirror_image(const Vector2d& p, const Segment2& line) {
   return line.a + 2 * along.dot(off) * along - off;
 }
 
+/// Whether a fold runs along a line, as the other parts of a line that holes divide do.
+bool runs_along(const Segment2& fold, const Segment2& line) {
+  const Vector2d along = (line.b - line.a).normalized();
+  const auto off = [&](const Vector2d& p) { return std::abs(cross(along, p - line.a)); };
+  return std::max(off(fold.a), off(fold.b)) < same_line * (line.b - line.a).norm();
+}
+
 /// Where a point of the pattern lies in the layer that hands turn: it goes there through the folds
 /// that are shut by then, from one layer to the next.
 Vector2d in_layer_of(const ExpectedCrease& hands, Vector2d p,
@@ -220,7 +227,8 @@ Vector2d in_layer_of(const ExpectedCrease& hands, Vector2d p,
     const ExpectedCrease* next = nullptr;
     for (const ExpectedCrease& fold : folds)
       if (const auto met = meeting({hands.between, p}, fold.line);
-          met && *met > farthest && *met < 1 && is_shut_before(fold, hands)) {
+          met && !runs_along(fold.line, hands.line) && *met > farthest && *met < 1 &&
+          is_shut_before(fold, hands)) {
         farthest = *met;
         next = &fold;
       }
@@ -400,13 +408,21 @@ bool is_same_line(const Segment2& a, const Segment2& b, double side) {
   return near(a.a) && near(a.b);
 }
 
-/// Whether the sheet begins folded along a part of a line, and the other way than its hands are
-/// turned by then: as the strip of a pop-up card between two slits does that stands up from the
-/// spine. What folds it is the rest of the sheet.
-bool begins_the_other_way(const Segment2& part, const FoldAxis& axis, const Sheet& start) {
+/// Whether a part of a line is one of a strip that other folds than those of its hands give its
+/// shape: it ends at a hole or a slit, and the paper there does not begin folded as its hands are
+/// turned by then. Such are the strips of a pop-up card that stand up from its spine.
+bool is_of_other_strip(const Segment2& part, const FoldAxis& axis, const Shot& shot) {
   constexpr double clearly = radians_of(5);  // assumed
-  const double hands = axis.turn.front(), paper = fold_of_line(start, {part.a, part.b});
-  return std::min(std::abs(hands), std::abs(paper)) > clearly && hands * paper < 0;
+  const double hands = axis.turn.front(), near = same_line * longer_side(shot.pattern);
+  if (!(std::abs(hands) > clearly)) return false;  // or not known
+  const auto ends_at_hole = [&](const Vector2d& p) {
+    return std::any_of(shot.pattern.holes.begin(), shot.pattern.holes.end(), [&](const auto& hole) {
+      return (nearest_border_point({hole, {}}, p) - p).norm() < near;
+    });
+  };
+  if (!ends_at_hole(part.a) && !ends_at_hole(part.b)) return false;
+  const double paper = fold_of_line(shot.start, {part.a, part.b}, near);
+  return std::abs(std::remainder(paper - hands, 2 * M_PI)) > clearly;
 }
 
 /// The lines about which clamps turn, as often as two of them do.
@@ -419,7 +435,7 @@ std::vector<ExpectedCrease> lines_of_hands(const Clamps& clamps, const Shot& sho
   for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
     for (const FoldAxis& axis : axes)
       for (const Segment2& part : on_paper(through_handles(axis, clamps, shot), clamps, shot)) {
-        if (begins_the_other_way(part, axis, shot.start)) continue;
+        if (is_of_other_strip(part, axis, shot)) continue;
         ExpectedCrease crease{part,
                               {},
                               {},

@@ -121,7 +121,7 @@ Scaled scaled(double x) {
   std::memcpy(&bits, &x, sizeof x);
   std::memcpy(&least, &root_half, sizeof root_half);
   const std::int64_t exponent = (bits - least) >> mantissa_bits;
-  bits -= exponent << mantissa_bits;
+  bits -= exponent * (std::int64_t{1} << mantissa_bits);
   std::memcpy(&x, &bits, sizeof x);
   return {x, twos + static_cast<int>(exponent)};
 }

@@ -5,13 +5,16 @@
 #include "core/model/segment2.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
 namespace paperbake {
 namespace {
 
-constexpr double half_width = 1e-4;  // [1] of the longer side: of a slit that was opened
+// half of the width of a slit that was opened: [1] of the longer side, and at most, so that no edge
+// changes its length by much, of the edges there
+constexpr double half_width = 1e-4, share_of_edges = 0.005;
 
 /// A border edge, with the paper on its left.
 struct BorderEdge {
@@ -21,10 +24,12 @@ struct BorderEdge {
   Vector2d left() const { return {-along.y(), along.x()}; }
 };
 
-/// Whether two border edges run along each other in opposite directions, within `near` [m].
+/// Whether two border edges run along each other in opposite directions, within `near` [m], with no
+/// paper between them, as there is in the tip of a pennant.
 bool lie_on_each_other(const BorderEdge& e, const BorderEdge& f, double near) {
   constexpr double opposite = -0.999;  // [1] cosine
-  if (e.along.dot(f.along) > opposite) return false;
+  if (e.along.dot(f.along) > opposite || e.left().dot(0.5 * (f.a + f.b) - e.a) > 0.1 * near)
+    return false;
   const double from = std::max(0.0, e.along.dot(f.b - e.a)),
                to = std::min((e.b - e.a).norm(), e.along.dot(f.a - e.a));
   if (to - from <= near) return false;
@@ -32,11 +37,22 @@ bool lie_on_each_other(const BorderEdge& e, const BorderEdge& f, double near) {
   return distance_to_segment(middle, f.a, f.b) <= near;
 }
 
+/// [m] The shortest edge at each vertex.
+std::vector<double> shortest_edges(const Points2& flat, const MeshEdges& edges) {
+  std::vector<double> shortest(flat.rows(), std::numeric_limits<double>::infinity());
+  for (const MeshEdge& edge : edges) {
+    const double length = (flat.row(edge.high) - flat.row(edge.low)).norm();
+    for (const int v : {edge.low, edge.high}) shortest[v] = std::min(shortest[v], length);
+  }
+  return shortest;
+}
+
 }  // namespace
 
 void open_slits(Points2& flat, const Triangles& triangles) {
+  const MeshEdges edges(triangles);
   std::vector<BorderEdge> border;
-  for (const auto& [from, to] : border_of(MeshEdges(triangles))) {
+  for (const auto& [from, to] : border_of(edges)) {
     const Vector2d a = flat.row(from), b = flat.row(to);
     if (a != b) border.push_back({from, to, a, b, (b - a).normalized()});
   }
@@ -58,9 +74,11 @@ void open_slits(Points2& flat, const Triangles& triangles) {
       for (const BorderEdge* edge : {&e, &f})
         for (const int v : {edge->from, edge->to}) inwards.row(v) += edge->left().transpose();
     }
+  constexpr double some = 1e-6;  // the sides of a wedge nearly cancel each other
+  const std::vector<double> shortest = shortest_edges(flat, edges);
   for (int v = 0; v < flat.rows(); ++v)
-    if (!is_tip[v] && inwards.row(v).norm() > 0.5)
-      flat.row(v) += width * inwards.row(v).normalized();
+    if (!is_tip[v] && inwards.row(v).norm() > some)
+      flat.row(v) += std::min(width, share_of_edges * shortest[v]) * inwards.row(v).normalized();
 }
 
 }  // namespace paperbake

@@ -192,9 +192,9 @@ std::optional<double> rest_angle(const SceneNodes& scene, const ImportedNode& no
 
 /// The angle by which the start shape is folded along a line of its pattern, at most max_angle.
 /// [rad]
-double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line) {
+double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, double side) {
   const double most = radians_of(max_angle);
-  return std::clamp(fold_of_line(start, line), -most, most);
+  return std::clamp(fold_of_line(start, line, same_place * side), -most, most);
 }
 
 /// Adds the creases that a node defines to a sheet; returns their number.
@@ -218,7 +218,7 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Points3& x,
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
     PrescribedCrease crease{simplified(line, side)};
-    crease.angle = angle ? *angle : modelled_angle(sheet.start, crease.line);
+    crease.angle = angle ? *angle : modelled_angle(sheet.start, crease.line, side);
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);

@@ -269,7 +269,8 @@ TEST(ExpectedCreasesTest, AHoleDividesALine) {
 
 /// A card with a spine at u = 80 mm that stands open by 2 x `angle`, with two slits across the
 /// spine. The strip between them stands up from it where `popped`.
-Shot pop_up_card(double angle, bool popped) {
+/// ridge  [m] u of the fold of the strip
+Shot pop_up_card(double angle, bool popped, double ridge = 0.08) {
   const std::vector<double> us{0, 0.05, 0.08, 0.11, 0.16}, vs{0, 0.04, 0.041, 0.079, 0.08, 0.12};
   Pattern pattern;
   pattern.outline = {{0, 0}, {us[4], 0}, {us[4], vs[5]}, {0, vs[5]}};
@@ -286,8 +287,10 @@ Shot pop_up_card(double angle, bool popped) {
   for (int j = 0; j < 6; ++j)
     for (int i = 0; i < 5; ++i) {
       const bool stands_up = popped && i == 2 && (j == 2 || j == 3);
-      start.pattern.row(5 * j + i) << us[i], vs[j];
-      start.x.row(5 * j + i) << half(us[i]), vs[j], stands_up ? 2 * height(us[1]) : height(us[i]);
+      const double u = stands_up ? ridge : us[i];
+      start.pattern.row(5 * j + i) << u, vs[j];
+      start.x.row(5 * j + i) << half(u), vs[j],
+          stands_up ? 2 * height(us[1]) - height(u) : height(u);
     }
   std::vector<std::array<int, 3>> triangles;
   for (int j = 0; j < 5; ++j)
@@ -316,9 +319,11 @@ Shot pop_up_card(double angle, bool popped) {
 TEST(ExpectedCreasesTest, HandsDoNotFoldAStripThatBeginsFoldedTheOtherWay) {
   const Vector2d low(0.08, 0.041), high(0.08, 0.079);
   for (const double angle : {5 * degrees, 45 * degrees}) {
-    const std::vector<ExpectedCrease> popped = lines_of(pop_up_card(angle, true));
-    EXPECT_EQ(popped.size(), 2u) << "the spine on both sides of the strip";
-    EXPECT_FALSE(line_between(popped, low, high));
+    for (const double ridge : {0.08, 0.0801, 0.0795, 0.095}) {
+      const std::vector<ExpectedCrease> popped = lines_of(pop_up_card(angle, true, ridge));
+      EXPECT_EQ(popped.size(), 2u) << "the spine on both sides of the strip: " << ridge;
+      EXPECT_FALSE(line_between(popped, low, high));
+    }
     const std::vector<ExpectedCrease> flat = lines_of(pop_up_card(angle, false));
     EXPECT_EQ(flat.size(), 3u);
     EXPECT_TRUE(line_between(flat, low, high)) << "folded like the spine, it is part of it";

@@ -195,6 +195,53 @@ TEST(SceneSheets, CutsWithoutWidthAreOpened) {
   EXPECT_NO_THROW(mesh_pattern(pattern, 0.04, {}));
 }
 
+TEST(SceneSheets, CutsThatMeetInAStarAreOpened) {
+  // wedges round a point, each of which has a tip of its own there; a ring of whole paper holds them
+  constexpr int wedges = 16;
+  FlatMesh mesh;
+  const auto at = [&](double radius, double turn, double lift) {
+    const double a = 2 * M_PI * turn / wedges;
+    mesh.x.push_back(Vector3d(radius * std::cos(a), radius * std::sin(a), lift));
+    return static_cast<int>(mesh.x.size()) - 1;
+  };
+  std::vector<int> inner, outer;
+  for (int k = 0; k < wedges; ++k) {
+    inner.push_back(at(0.08, k, 0));
+    outer.push_back(at(0.1, k, 0));
+  }
+  const auto face = [&](int a, int b, int c) {
+    for (const int v : {a, b, c}) mesh.corners.push_back(v);
+  };
+  for (int k = 0; k < wedges; ++k) {
+    const int next = (k + 1) % wedges;
+    face(at(0, 0, 1e-5 * k), inner[k], inner[next]);
+    face(inner[k], outer[k], outer[next]);
+    face(inner[k], outer[next], inner[next]);
+  }
+  const Scene scene = read_scene(HeldSheet(mesh).write("star.gltf"));
+  const Pattern& pattern = scene.sheets.at(0).pattern;
+  ASSERT_EQ(pattern.holes.size(), 1u);
+  EXPECT_EQ(pattern.holes[0].size(), 2u * wedges);
+  EXPECT_NO_THROW(mesh_pattern(pattern, 0.01, {}));
+}
+
+TEST(SceneSheets, TheTipOfAPennantIsNoCut) {
+  // two long sides that meet at 2 degrees, with border edges of 1 mm
+  FlatMesh mesh;
+  constexpr int columns = 300;
+  mesh.x.push_back(Vector3d(0, 0, 0));
+  for (int k = 1; k <= columns; ++k)
+    for (const double side : {-1, 1})
+      mesh.x.push_back(Vector3d(1e-3 * k, side * 1e-3 * k * std::tan(M_PI / 180), 0));
+  mesh.corners = {0, 1, 2};
+  for (int k = 1; k < columns; ++k) {
+    const int a = 2 * k - 1;
+    for (const int v : {a, a + 2, a + 3, a, a + 3, a + 1}) mesh.corners.push_back(v);
+  }
+  const Scene scene = read_scene(HeldSheet(mesh).write("pennant.gltf"));
+  EXPECT_EQ(scene.sheets.at(0).pattern.outline.size(), 3u);
+}
+
 TEST(SceneSheets, CutsWhoseSidesLieInOnePlaceAreJoinedWithAWarning) {
   const auto warning = [](const FlatMesh& mesh) {
     for (const std::string& said : read_scene(HeldSheet(mesh).write("joined.gltf")).warnings)
