@@ -24,12 +24,10 @@ struct BorderEdge {
   Vector2d left() const { return {-along.y(), along.x()}; }
 };
 
-/// Whether two border edges run along each other in opposite directions, within `near` [m], with no
-/// paper between them, as there is in the tip of a pennant.
+/// Whether two border edges run along each other in opposite directions, within `near` [m].
 bool lie_on_each_other(const BorderEdge& e, const BorderEdge& f, double near) {
   constexpr double opposite = -0.999;  // [1] cosine
-  if (e.along.dot(f.along) > opposite || e.left().dot(0.5 * (f.a + f.b) - e.a) > 0.1 * near)
-    return false;
+  if (e.along.dot(f.along) > opposite) return false;
   const double from = std::max(0.0, e.along.dot(f.b - e.a)),
                to = std::min((e.b - e.a).norm(), e.along.dot(f.a - e.a));
   if (to - from <= near) return false;
