@@ -66,9 +66,9 @@ double largest_turn(const ExpectedCrease&);
 /// in three quarters of the frames on the way to the largest turn, from 20 degrees on; others carry
 /// the paper along a curve, and bend it or roll it up.
 ///
-/// Of a line that holes or slits divide, hands do not fold the parts at which the sheet begins folded
-/// otherwise than they are turned in the first frame: by more than 5 degrees, where they are turned
-/// by as much.
+/// Of a line that holes or slits divide, hands do not fold the parts at which the sheet begins
+/// folded otherwise than they are turned in the first frame: by more than 5 degrees, where they are
+/// turned by as much.
 ///
 /// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///

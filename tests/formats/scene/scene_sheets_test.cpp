@@ -196,7 +196,7 @@ TEST(SceneSheets, CutsWithoutWidthAreOpened) {
 }
 
 TEST(SceneSheets, CutsThatMeetInAStarAreOpened) {
-  // wedges round a point, each of which has a tip of its own there; a ring of whole paper holds them
+  // wedges round a point, where each has a tip of its own; a ring of whole paper holds them
   constexpr int wedges = 16;
   FlatMesh mesh;
   const auto at = [&](double radius, double turn, double lift) {
