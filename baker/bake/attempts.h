@@ -40,9 +40,9 @@ namespace paperbake {
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
 /// third, the fifth and so on of four times as many, unless a number of triangles was asked for. If
-/// a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where only
-/// colliders move it is not: what these push through a sheet that is held is seldom a matter of its
-/// mesh, and the attempts would cost much.
+/// a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
+/// only colliders move it is not: what these push through a sheet that is held is seldom a matter of
+/// its mesh, and the attempts would cost much.
 ///
 /// source  this project
 class Attempts {
