@@ -41,8 +41,8 @@ namespace paperbake {
 /// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
 /// third, the fifth and so on of four times as many, unless a number of triangles was asked for. If
 /// a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
-/// only colliders move it is not: what these push through a sheet that is held is seldom a matter of
-/// its mesh, and the attempts would cost much.
+/// only colliders move it is not: what these push through a sheet that is held is seldom a matter
+/// of its mesh, and the attempts would cost much.
 ///
 /// source  this project
 class Attempts {
