@@ -126,19 +126,16 @@ void CertificateRecorder::measure_motion(const WrittenFrame& now,
 
 double CertificateRecorder::way_of_wind(const WrittenFrame& now,
                                         const FrameStatistics& statistics) const {
-  if (!statistics.inertia) return 0;
   const AnimateOptions& options = bake_.plan.animation;
+  const Air& air = options.elastic.air;
+  if (!statistics.inertia || air.winds.empty()) return 0;
+  const Vector3d middle = now.samples.colwise().mean();
+  const auto speed = [&](int frame) {
+    return air_velocity(air, (frame - options.first_frame) / options.fps, middle).norm();
+  };
   double way = 0;
-  for (int frame = before_->frame + 1; frame <= now.frame; ++frame) {
-    double fastest = 0;
-    for (const int at : {frame - 1, frame})
-      for (int k = 0; k < now.samples.rows(); ++k) {
-        const double time = (at - options.first_frame) / options.fps;
-        const Vector3d p = now.samples.row(k);
-        fastest = std::max(fastest, air_velocity(options.elastic.air, time, p).norm());
-      }
-    way += fastest / options.fps;
-  }
+  for (int frame = before_->frame + 1; frame <= now.frame; ++frame)
+    way += std::max(speed(frame - 1), speed(frame)) / options.fps;
   return way;
 }
 

@@ -35,7 +35,7 @@ class CertificateRecorder {
   Jam jam_of(const AnimatedFrame&, std::size_t handle) const;
   /// Since the line before. Fills in `moved` and `driven`.
   void measure_motion(const WrittenFrame& now, FrameStatistics&) const;
-  /// [m] How far the air has gone where it is fastest. Only a sheet with inertia feels it.
+  /// [m] How far the wind has gone in the middle of the sheet. Only one with inertia feels it.
   double way_of_wind(const WrittenFrame& now, const FrameStatistics&) const;
   void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&) const;
   /// A frame that is handed on is judged as it is in the cache.

@@ -54,7 +54,7 @@ void open_slits(Points2& flat, const Triangles& triangles) {
     const Vector2d a = flat.row(from), b = flat.row(to);
     if (a != b) border.push_back({from, to, a, b, (b - a).normalized()});
   }
-  // edges that run along each other overlap in x, or in y if they run upwards
+  // edges that run along each other overlap in x: only those have to be compared
   std::sort(border.begin(), border.end(), [](const BorderEdge& e, const BorderEdge& f) {
     return std::pair(std::min(e.a.x(), e.b.x()), e.from) <
            std::pair(std::min(f.a.x(), f.b.x()), f.from);

@@ -166,8 +166,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const std::vector<Eige
   if (flat.joined_cuts > 0)
     warnings.push_back(fmt::format(
         "At {} {} of the sheet \"{}\" the faces have vertices of their own, as at a cut, but in "
-        "one "
-        "place: they are joined. To keep a cut, move its sides apart at frame {}, be it by a "
+        "one place: they are joined. To keep a cut, move its sides apart at frame {}, be it by a "
         "hundredth of a millimetre.",
         flat.joined_cuts, flat.joined_cuts == 1 ? "edge" : "edges", node.name, scene.first_frame));
   sheet.name = node.name;
