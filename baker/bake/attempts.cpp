@@ -22,11 +22,12 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
+/// Of the attempts for handles that are off the first on eight times as many triangles.
+constexpr std::size_t finest_for_handles = 3;
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
 /// those of the candidates that are most likely to be chosen next.
-void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candidate& chosen,
-                     int threads) {
+void start_likeliest(const Candidates& all, Candidate& chosen, int threads) {
   int busy = 0;
   for (const auto& candidate : all) {
     candidate->look();
@@ -49,13 +50,19 @@ void start_likeliest(const std::vector<std::unique_ptr<Candidate>>& all, Candida
   }
 }
 
+Candidates::const_iterator best_of(const Candidates& all) {
+  return std::min_element(all.begin(), all.end(),
+                          [](const auto& a, const auto& b) { return a->badness() < b->badness(); });
+}
+
 }  // namespace
 
 int refinement(std::size_t attempt, AttemptReason reason, int doublings) {
   if (attempt == 0) return 1;
-  const bool is_odd = attempt % 2 == 1;
-  const int ladder = reason == AttemptReason::handle_off ? (is_odd ? 2 : 4) : (is_odd ? 4 : 8);
-  return ladder << doublings;
+  const int doubled = reason == AttemptReason::handle_off ? 1 + static_cast<int>((attempt - 1) % 3)
+                      : attempt % 2 == 1                  ? 2
+                                                          : 3;
+  return 1 << (doubled + doublings);
 }
 
 Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::filesystem::path state)
@@ -128,6 +135,7 @@ BakeSettings Attempts::settings_of(std::size_t number) const {
 
 Attempt Attempts::describe_attempt(std::size_t number) const {
   Attempt attempt;
+  attempt.number = number;
   const BakeSettings settings = settings_of(number);
   for (const Shot& shot : first_.shots)
     attempt.base_triangles =
@@ -163,8 +171,8 @@ std::filesystem::path Attempts::folder_of(std::size_t number) const {
   return state_ / "attempts" / std::to_string(number);
 }
 
-std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequest& stop,
-                                                    StageClock& clock) const {
+std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, AttemptReason reason,
+                                                    StopRequest& stop, StageClock& clock) const {
   BakePlan plan = plan_of(number);
   plan.polish = {};
   const std::filesystem::path folder = folder_of(number);
@@ -176,7 +184,7 @@ std::unique_ptr<Candidate> Attempts::make_candidate(std::size_t number, StopRequ
                          : points_of_a_crumple;
   return std::make_unique<Candidate>(
       std::move(plan), number == 0 ? seen_ : describe_attempt(number),
-      Comparison{reason_, points, allowed_pull()},
+      Comparison{reason, points, allowed_pull()},
       CandidateFolder{folder, goes_on, settings_.checkpoint_every}, stop, clock);
 }
 
@@ -213,22 +221,11 @@ std::size_t Attempts::most_attempts() const {
              : std::min(allowed, one_on_each_mesh);
 }
 
-bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
-  reason_ = failing_           ? AttemptReason::handle_off
-            : seen_.points > 0 ? AttemptReason::crumpled
-                               : AttemptReason::coarse;
-  seen_.coarse = reason_ == AttemptReason::coarse;
-  doublings_ = handles_moved_ ? std::min(doublings_at_start_, doublings_to_bend) : 0;
-  std::vector<std::unique_ptr<Candidate>> all;
-  const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
-  while (all.size() < at_once) all.push_back(make_candidate(all.size(), stop, clock));
+bool Attempts::search(Candidates& all, Progress& progress, StopRequest& stop,
+                      StageClock& clock) const {
   FrequentMessage frequent;
-  const auto best = [&] {
-    return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
-      return a->badness() < b->badness();
-    });
-  };
-  for (auto next = best(); !(*next)->is_over() && !(*next)->is_hopeless(); next = best()) {
+  for (auto next = best_of(all); !(*next)->is_over() && !(*next)->is_hopeless();
+       next = best_of(all)) {
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
       progress.message(fmt::format("attempt {} of {} is tried: {}", next - all.begin() + 1,
@@ -238,21 +235,46 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
     if (frequent.is_due())
       progress.message((*next)->describe_state(next - all.begin() + 1, most_attempts()));
     if (may_need_another(*all.back(), all.size()))
-      all.push_back(make_candidate(all.size(), stop, clock));
+      all.push_back(make_candidate(all.size(), reason_, stop, clock));
   }
+  while (all.size() > 1 && !all.back()->has_begun()) all.pop_back();
+  return true;
+}
+
+bool Attempts::is_crumple_doubted(const Candidates& all, const Attempt& best) const {
+  return reason_ == AttemptReason::handle_off && may_be_finer(settings_) &&
+         best.points >= points_of_a_crumple && worst_miss(best) <= 1 &&
+         all.size() <= finest_for_handles &&
+         all.size() < static_cast<std::size_t>(settings_.attempts) &&
+         describe_attempt(finest_for_handles).base_triangles > best.base_triangles;
+}
+
+bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
+  reason_ = failing_           ? AttemptReason::handle_off
+            : seen_.points > 0 ? AttemptReason::crumpled
+                               : AttemptReason::coarse;
+  seen_.coarse = reason_ == AttemptReason::coarse;
+  doublings_ = handles_moved_ ? std::min(doublings_at_start_, doublings_to_bend) : 0;
+  Candidates all;
+  const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
+  while (all.size() < at_once) all.push_back(make_candidate(all.size(), reason_, stop, clock));
+  if (!search(all, progress, stop, clock)) return false;
   AttemptChoice choice;
   choice.reason = reason_;
-  choice.hopeless = !(*best())->is_over();
-  choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best() - all.begin());
-  while (all.size() > 1 && !all.back()->has_begun()) all.pop_back();
+  choice.hopeless = !(*best_of(all))->is_over();
+  choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best_of(all) - all.begin());
   for (const auto& candidate : all) choice.tried.push_back(candidate->known());
+  if (!choice.hopeless && is_crumple_doubted(all, choice.tried[choice.baked])) {
+    progress.message(
+        fmt::format("another attempt is tried: {}", why_doubted(choice.tried[choice.baked])));
+    all.clear();
+    all.push_back(make_candidate(finest_for_handles, AttemptReason::crumpled, stop, clock));
+    if (!search(all, progress, stop, clock)) return false;
+    choice.tried.push_back(all.back()->known());
+    if (!all.back()->is_hopeless()) choice.baked = choice.tried.size() - 1;
+  }
   all.clear();  // what is still being simulated is not needed
-  if (choice.baked == 0 && !failing_ && first_.polish.triangles == 0)
-    recorded_ = Recorded::everything;
-  else if (folder_of(choice.baked) == state_)
-    recorded_ = Recorded::first_frames;
-  else if (first_.polish.triangles == 0)
-    move_checkpoints(folder_of(choice.baked), state_);
+  take_over(choice);
   try {
     keep_choice(choice);
   } catch (const Error& error) {
@@ -268,13 +290,24 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
   return true;
 }
 
+void Attempts::take_over(const AttemptChoice& choice) {
+  const std::size_t number = choice.tried[choice.baked].number;
+  if (number == 0 && !failing_ && first_.polish.triangles == 0)
+    recorded_ = Recorded::everything;
+  else if (folder_of(number) == state_)
+    recorded_ = Recorded::first_frames;
+  else if (first_.polish.triangles == 0)
+    move_checkpoints(folder_of(number), state_);
+}
+
 void Attempts::remove_attempts() const {
   std::error_code none;
   std::filesystem::remove_all(state_ / "attempts", none);
 }
 
 void Attempts::adopt(AttemptChoice choice) {
-  if (choice.baked > 0) plan_ = plan_of(choice.baked);  // else who records the first one goes on
+  const std::size_t number = choice.tried[choice.baked].number;
+  if (number > 0) plan_ = plan_of(number);  // else who records the first one goes on
   plan_.attempt = std::move(choice);
   watches_ = failing_ = false;
 }
@@ -288,7 +321,7 @@ std::string Attempts::key() const {
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried)
-    tried.push_back({t.off, t.off_pct, t.frame, t.frames, t.points, t.inside});
+    tried.push_back({t.number, t.off, t.off_pct, t.frame, t.frames, t.points, t.inside});
   write_atomically(decision_, json_line({{"key", key()},
                                          {"reason", name_of(choice.reason)},
                                          {"baked", choice.baked},
@@ -310,13 +343,13 @@ bool Attempts::load_choice() {
     reason_ = choice.reason;
     doublings_ = kept.at("doublings");
     for (const Json& of_attempt : kept.at("tried")) {
-      Attempt attempt = describe_attempt(choice.tried.size());
-      attempt.off = of_attempt.at(0);
-      attempt.off_pct = of_attempt.at(1);
-      attempt.frame = of_attempt.at(2);
-      attempt.frames = of_attempt.at(3);
-      attempt.points = of_attempt.at(4);
-      attempt.inside = of_attempt.at(5);
+      Attempt attempt = describe_attempt(of_attempt.at(0));
+      attempt.off = of_attempt.at(1);
+      attempt.off_pct = of_attempt.at(2);
+      attempt.frame = of_attempt.at(3);
+      attempt.frames = of_attempt.at(4);
+      attempt.points = of_attempt.at(5);
+      attempt.inside = of_attempt.at(6);
       choice.tried.push_back(attempt);
     }
   } catch (const std::exception&) {

@@ -11,6 +11,8 @@
 
 namespace paperbake {
 
+using Candidates = std::vector<std::unique_ptr<Candidate>>;
+
 /// Attempts at a shot. Flat paper that is compressed may buckle in several ways, its imperfection
 /// decides in which, and from some of them it never comes to where the handles want it. What an
 /// artist would do then is to bake again with another seed, or on a finer mesh. This does it for
@@ -38,11 +40,13 @@ namespace paperbake {
 /// otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
-/// + 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
-/// third, the fifth and so on of four times as many, unless a number of triangles was asked for. If
-/// a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
+/// + 3000, ... The second, the third and the fourth have a first mesh of twice, four and eight times
+/// as many triangles, unless a number of triangles was asked for; the fifth has twice as many again.
+/// If a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
 /// only colliders move it is not: what these push through a sheet that is held is seldom a matter
-/// of its mesh, and the attempts would cost much.
+/// of its mesh, and the attempts would cost much. If the best of them holds the handles, but
+/// crumples, that may be what holds them. So the fourth one is simulated, too, is judged as where a
+/// mesh is doubted, and is baked if it does not crumple.
 ///
 /// source  this project
 class Attempts {
@@ -89,7 +93,17 @@ class Attempts {
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
-  std::unique_ptr<Candidate> make_candidate(std::size_t number, StopRequest&, StageClock&) const;
+  /// reason  by which it is judged
+  std::unique_ptr<Candidate> make_candidate(std::size_t number, AttemptReason, StopRequest&,
+                                            StageClock&) const;
+  /// Simulates the best of all so far until it is over or hopeless, and forgets those that were
+  /// never the best.
+  /// returns  false when it was stopped
+  bool search(Candidates& all, Progress&, StopRequest&, StageClock&) const;
+  /// Whether the best of all holds its handles, but crumples, and might not on a finer mesh.
+  bool is_crumple_doubted(const Candidates& all, const Attempt& best) const;
+  /// Lets the bake go on from what was simulated of the chosen one.
+  void take_over(const AttemptChoice&);
   std::size_t most_attempts() const;  // the first one counted
   std::string why_tried(const Candidate& last) const;
   /// How far an attempt may be pulled off its handles where they are not the reason. [m]
@@ -102,9 +116,9 @@ class Attempts {
   const BakePlan& first_;
   BakePlan plan_;
   std::filesystem::path state_, decision_;
-  Attempt seen_;                  // of the first attempt
-  std::vector<BendWatch> bends_;  // of its sheets
-  AttemptReason reason_ = AttemptReason::handle_off;
+  Attempt seen_;                                      // of the first attempt
+  std::vector<BendWatch> bends_;                      // of its sheets
+  AttemptReason reason_ = AttemptReason::handle_off;  // why others than the first are tried
   bool watches_, failing_ = false, has_chosen_ = false;
   // how often the number of triangles was doubled before a sheet of the first attempt began: by a
   // rehearsal, which knows finer meshes, too, or as that of a flag

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ const char* name_of(AttemptReason);
 
 /// One way to simulate a shot that was tried (baker/bake/attempts.h).
 struct Attempt {
+  std::size_t number = 0;    // from which its seed and mesh follow, 0 is the first (Attempts)
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
   // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.

@@ -238,10 +238,10 @@ TEST(Attempt, IsFinerThanTheMeshWithWhichTheFirstOneBegan) {
     for (std::size_t k = 0; k < 4; ++k) of_attempts.push_back(refinement(k, reason, doublings));
     return of_attempts;
   };
-  EXPECT_EQ(ladder(AttemptReason::handle_off, 0), (std::vector<int>{1, 2, 4, 2}));
+  EXPECT_EQ(ladder(AttemptReason::handle_off, 0), (std::vector<int>{1, 2, 4, 8}));
   EXPECT_EQ(ladder(AttemptReason::crumpled, 0), (std::vector<int>{1, 4, 8, 4}));
   // a rehearsal doubles the first one itself
-  EXPECT_EQ(ladder(AttemptReason::handle_off, 2), (std::vector<int>{1, 8, 16, 8}));
+  EXPECT_EQ(ladder(AttemptReason::handle_off, 2), (std::vector<int>{1, 8, 16, 32}));
 }
 
 TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
@@ -528,6 +528,32 @@ TEST_F(AttemptsTest, ACrumpleThatGoesOnlyOnEightTimesAsManyTrianglesIsNotBaked) 
   EXPECT_TRUE(attempts.at("tried").at(0).at("crumpled"));
   EXPECT_TRUE(attempts.at("tried").at(1).at("crumpled"));
   EXPECT_EQ(all.at("singular"), 0);
+}
+
+TEST_F(AttemptsTest, ACrumpleThatHoldsTheHandlesIsNotBakedWhereAFinerMeshIsSmooth) {
+  // finite elements have one sharp point, too
+  const auto arch = [&](const std::string& out, const Words& more) {
+    return shot("S9_unload", out, more);
+  };
+  const Ended ended = run(arch("out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const json attempts = summary("out").at("attempts"), tried = attempts.at("tried");
+  EXPECT_EQ(attempts.at("reason"), "handle off");
+  ASSERT_EQ(attempts.at("baked"), 3);
+  EXPECT_TRUE(tried.at(1).at("crumpled"));
+  EXPECT_LT(tried.at(1).at("off_mm"), 1) << "it would have been baked";
+  EXPECT_EQ(tried.at(2).at("base_triangles"), 960);
+  EXPECT_EQ(tried.at(2).at("seed_offset"), 3000) << "the attempt between them was not needed";
+  EXPECT_LT(summary("out").at("singular"), 3);
+  // a bake that makes more of the same frames has the same choice
+  const std::vector<json> baked = shapes("out");
+  const Ended again = run(arch("out", {"--map-frames", "1"}));
+  EXPECT_EQ(times(again.err, "is tried"), 0) << again.err;
+  EXPECT_EQ(summary("out").at("attempts"), attempts);
+  EXPECT_TRUE(shapes("out") == baked);
+  // who allows two attempts gets no third
+  run(arch("two", {"--attempts", "2"}));
+  EXPECT_EQ(summary("two").at("attempts").at("baked"), 2);
 }
 
 TEST_F(AttemptsTest, AFinerMeshThatLosesAHandleIsFollowedByAFinerOneStill) {
