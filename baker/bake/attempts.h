@@ -39,12 +39,12 @@ using Candidates = std::vector<std::unique_ptr<Candidate>>;
 /// frames would depend on which part that is, and a message says that the whole shot may come out
 /// otherwise.
 ///
-/// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000,
-/// + 3000, ... The second, the third and the fourth have a first mesh of twice, four and eight times
-/// as many triangles, unless a number of triangles was asked for; the fifth has twice as many again.
-/// If a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
-/// only colliders move it is not: what these push through a sheet that is held is seldom a matter
-/// of its mesh, and the attempts would cost much. If the best of them holds the handles, but
+/// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000, +
+/// 3000, ... The second, the third and the fourth have a first mesh of twice, four and eight times
+/// as many triangles, unless a number of triangles was asked for; the fifth has twice as many
+/// again. If a rehearsal has doubled the mesh of the first one, that is what they are multiples of.
+/// Where only colliders move it is not: what these push through a sheet that is held is seldom a
+/// matter of its mesh, and the attempts would cost much. If the best of them holds the handles, but
 /// crumples, that may be what holds them. So the fourth one is simulated, too, is judged as where a
 /// mesh is doubted, and is baked if it does not crumple.
 ///
