@@ -24,17 +24,33 @@ Clamps::Clamps(const Shot& shot, int first_frame)
   find();
 }
 
+int Clamps::parting(int h, int k) const {
+  const double apart = (place(h) - place(k)).norm();
+  int row = 0;
+  while (row < rows_ && (!held(h, row) || !held(k, row) ||
+                         std::abs((keyed(h, row) - keyed(k, row)).norm() - apart) <= rigid * side_))
+    ++row;
+  return row;
+}
+
+std::vector<int> Clamps::rows_of_parting() const {
+  std::set<int> rows;
+  for (const int h : absolute_)
+    for (const int k : absolute_)
+      if (k < h) rows.insert(parting(h, k));
+  rows.erase(rows_);
+  return {rows.rbegin(), rows.rend()};
+}
+
 /// Whether two handles keep their distance for as long as both hold, which is at least half of the
 /// time of either: one that takes over from another is no part of its hand.
 bool Clamps::are_rigid(int h, int k) const {
-  const double apart = (place(h) - place(k)).norm();
+  if (parting(h, k) < rows_) return false;
   int held_h = 0, held_k = 0, together = 0;  // rows
   for (int row = 0; row < rows_; ++row) {
     held_h += held(h, row);
     held_k += held(k, row);
-    if (!held(h, row) || !held(k, row)) continue;
-    ++together;
-    if (std::abs((keyed(h, row) - keyed(k, row)).norm() - apart) > rigid * side_) return false;
+    together += held(h, row) && held(k, row);
   }
   return together > 0 && 2 * together >= std::min(held_h, held_k);
 }

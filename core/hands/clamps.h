@@ -40,10 +40,15 @@ class Clamps {
   /// From the pattern, in the plane z = 0, to the plate on which the handles of a clamp are keyed;
   /// none: not all of them hold.
   std::optional<RigidMotion> pose(const Clamp&, int row) const;
+  /// The rows from which on two absolute handles no longer keep their distance, the last one first.
+  std::vector<int> rows_of_parting() const;
 
  private:
   using RigidWith = std::vector<std::vector<char>>;  // 1: the two handles keep their distance
 
+  /// The first row in which two handles that hold are not as far apart as on the pattern; the
+  /// number of rows if there is none.
+  int parting(int h, int k) const;
   bool are_rigid(int h, int k) const;
   void find();
   std::vector<std::size_t> rigid_around(std::vector<std::size_t> members, const RigidWith&) const;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -485,14 +486,33 @@ std::vector<ExpectedCrease> without_those_beyond(std::vector<ExpectedCrease> cre
   return creases;
 }
 
-}  // namespace
+using Hand = std::vector<int>;  // handles
 
-std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_frame) {
-  Shot shot = as_keyed;
-  shot.handles = with_known_places(std::move(shot.handles), shot.start, first_frame);
-  const Clamps clamps(shot, first_frame);
+/// Whether one of the hands that fold a line has no handle of those that are known.
+bool has_new_hand(const ExpectedCrease& crease, const std::vector<Hand>& known) {
+  const auto is_known = [&](int handle) {
+    return std::any_of(known.begin(), known.end(), [&](const Hand& hand) {
+      return std::find(hand.begin(), hand.end(), handle) != hand.end();
+    });
+  };
+  return std::none_of(crease.plate.begin(), crease.plate.end(), is_known) ||
+         std::none_of(crease.other.begin(), crease.other.end(), is_known);
+}
+
+/// Whether a row is a part of one of the hands.
+bool is_row_of(const std::vector<Hand>& hands, const ExpectedCrease& crease) {
+  return crease.by == ExpectedCrease::By::plate_and_row &&
+         std::any_of(hands.begin(), hands.end(), [&](const Hand& hand) {
+           return std::includes(hand.begin(), hand.end(), crease.other.begin(), crease.other.end());
+         });
+}
+
+/// The lines along which clamps fold the sheet of a shot, but for those that are none.
+std::vector<ExpectedCrease> folds_of(const Clamps& clamps, const Shot& shot,
+                                     const std::function<bool(const ExpectedCrease&)>& is_none) {
   const auto lines_between = [&](const std::vector<ExpectedCrease>& folds) {
-    const std::vector<ExpectedCrease> found = lines_of_hands(clamps, shot, folds);
+    std::vector<ExpectedCrease> found = lines_of_hands(clamps, shot, folds);
+    found.erase(std::remove_if(found.begin(), found.end(), is_none), found.end());
     return without_those_beyond(one_of_each_line(found, folds, clamps.side()), clamps,
                                 shot.pattern);
   };
@@ -516,6 +536,57 @@ std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_fra
   };
   add(lead_through_layers(expected, shot.pattern));
   add(gussets(shot, clamps, expected));
+  return expected;
+}
+
+/// Adds those that are along no line that is known yet.
+void add_new_lines(std::vector<ExpectedCrease>& all, std::vector<ExpectedCrease> more,
+                   const Pattern& pattern) {
+  const std::size_t before = all.size();
+  std::vector<int> place;  // in all, of each of them
+  for (ExpectedCrease& crease : more) {
+    const auto known = std::find_if(all.begin(), all.end(), [&](const ExpectedCrease& one) {
+      return is_same_line(one.line, crease.line, longer_side(pattern));
+    });
+    place.push_back(static_cast<int>(known - all.begin()));
+    if (known == all.end()) all.push_back(std::move(crease));
+  }
+  for (std::size_t k = before; k < all.size(); ++k)
+    if (all[k].by == ExpectedCrease::By::folds_that_cross)
+      for (TurnBeyond& part : all[k].beyond) {
+        part.line = place[part.line];
+        part.across = place[part.across];
+      }
+  join_ends(all, before, pattern);
+}
+
+}  // namespace
+
+std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_frame) {
+  Shot shot = as_keyed;
+  shot.handles = with_known_places(std::move(shot.handles), shot.start, first_frame);
+  const Clamps whole(shot, first_frame);
+  std::vector<Hand> hands;  // that are known
+  for (const Clamp& clamp : whole.all())
+    if (clamp.is_plate) hands.push_back(clamp.handles);
+  const std::size_t never_part = hands.size();
+  std::vector<std::vector<ExpectedCrease>> before_parting;
+  Shot part = shot;
+  for (const int row : whole.rows_of_parting()) {
+    for (std::size_t h = 0; h < part.handles.size(); ++h)
+      part.handles[h].release_frame = std::min(shot.handles[h].release_frame, first_frame + row);
+    before_parting.push_back(
+        folds_of(Clamps(part, first_frame), part, [&](const ExpectedCrease& crease) {
+          return crease.by != ExpectedCrease::By::two_plates || !has_new_hand(crease, hands);
+        }));
+    for (const ExpectedCrease& crease : before_parting.back())
+      hands.insert(hands.end(), {crease.plate, crease.other});
+  }
+  const std::vector<Hand> for_a_while(hands.begin() + never_part, hands.end());
+  std::vector<ExpectedCrease> expected = folds_of(
+      whole, shot, [&](const ExpectedCrease& crease) { return is_row_of(for_a_while, crease); });
+  for (std::vector<ExpectedCrease>& lines : before_parting)
+    add_new_lines(expected, std::move(lines), shot.pattern);
   for (ExpectedCrease& crease : expected) look_for_drawn(crease, shot.pattern);
   return expected;
 }

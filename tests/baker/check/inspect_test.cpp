@@ -199,6 +199,13 @@ TEST_F(InspectTest, TheFourFoldsOfAFanTurnToBothSides) {
   }
 }
 
+TEST_F(InspectTest, HandlesOfDifferentHandsThatMoveAlikeForAWhileFoldNothing) {
+  // a sheet is doubled, then its corners are folded down, the right one of each layer a little
+  // later: for a while two of its handles near the line are a plate with one beyond the line
+  const std::string boat = PAPERBAKE_DATA "/violent/folded_boat.glb";
+  EXPECT_EQ(creases(run({"inspect", boat, "--json"})).size(), 5u);
+}
+
 TEST_F(InspectTest, WhereNothingIsGoingToFoldNoCreaseIsListed) {
   EXPECT_EQ(creases(run({"inspect", samples + "/S1_push.glb", "--json"})), nlohmann::json::array());
   EXPECT_EQ(run({"inspect", samples + "/S1_push.glb"}).out.find("crease"), std::string::npos);

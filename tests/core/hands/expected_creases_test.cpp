@@ -975,6 +975,31 @@ TEST(ExpectedCreasesTest, HandlesThatLetGoBeforeTheyTurnFoldNothing) {
   for (int f = 0; f < frames; ++f) EXPECT_EQ(std::isnan(lines[0].turn[f]), f >= 22) << f;
 }
 
+/// Two hands that fold the page along its middle and rest, until from frame 18 on handles of one of
+/// them, or of both, come together by 5 mm.
+Shot folded_and_squeezed(bool both) {
+  const Poses turns = [](double s) {
+    return turned(std::min(1.0, 2 * s) * 168 * degrees, {0.075, 0}, {0, -1});
+  };
+  Shot shot = held(page, {{{{0.01, 0.01}, {0.01, 0.14}, {0.06, 0.07}}, still},
+                          {{{0.14, 0.01}, {0.14, 0.14}, {0.09, 0.07}}, turns}});
+  for (std::size_t h = both ? 0 : 3; h < 6; ++h)
+    for (int f = 18; f < frames; ++f)
+      shot.handles[h].keyed(f, 1) +=
+          (f - 17) / (frames - 18.0) * std::copysign(0.005, 0.075 - shot.handles[h].pattern.y());
+  return shot;
+}
+
+TEST(ExpectedCreasesTest, HandsThatPartAfterTheyHaveFoldedAreHandsUntilThen) {
+  for (const bool both : {false, true}) {
+    const std::vector<ExpectedCrease> lines = lines_of(folded_and_squeezed(both));
+    ASSERT_EQ(lines.size(), 1u) << both;
+    EXPECT_TRUE(line_between(lines, {0.075, 0}, {0.075, 0.15}, 1e-6)) << both;
+    EXPECT_NEAR(std::abs(largest_turn(lines[0])), 168 * degrees, 1e-9) << both;
+    for (int f = 0; f < frames; ++f) EXPECT_EQ(std::isnan(lines[0].turn[f]), f >= 18) << f;
+  }
+}
+
 TEST(ExpectedCreasesTest, HandsThatFoldAcrossALineThatOthersHaveOpenedAgainDoNotHideEachOther) {
   // a square is folded along one diagonal and opened, then other hands fold it along the other one
   const double w = 0.15;
