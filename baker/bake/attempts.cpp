@@ -90,7 +90,8 @@ void Attempts::watch(const AnimatedFrame& frame) {
   const Shot& shot = first_.shots[frame.sheet_index];
   handles_moved_ = handles_moved_ || have_moved(shot.handles, row);
   colliders_moved_ = colliders_moved_ || (shot.colliders && have_moved(*shot.colliders, row));
-  failing_ = (handles_moved_ || colliders_moved_) && seen_.off > tolerance_of_attempts();
+  failing_ = (handles_moved_ || colliders_moved_) && first_.impossible.empty() &&
+             seen_.off > tolerance_of_attempts();
 }
 
 bool have_moved(const std::vector<Handle>& handles, int row) {

@@ -20,9 +20,10 @@ using Candidates = std::vector<std::unique_ptr<Candidate>>;
 /// the gate of handles allows, others are simulated beside it. The attempt whose handles have been
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
-/// matter of luck, and the first one is baked. Nor is it where nothing has moved: neither handles
-/// nor colliders. Where only colliders have moved, there are two others at most, one with each of
-/// the finer meshes below: what they push away they push away with most seeds, but paper may
+/// matter of luck, and the first one is baked. Nor is it where nothing has moved, neither handles
+/// nor colliders, or where handles are keyed out of reach, so that the shot misses its gate
+/// whichever is baked. Where only colliders have moved, there are two others at most, one with each
+/// of the finer meshes below: what they push away they push away with most seeds, but paper may
 /// crumple under them only because its mesh is too coarse to bend. Depth inside a collider counts
 /// as much as a handle that misses its gate as many times (worst_miss).
 ///

@@ -42,11 +42,12 @@ std::string advice(Gate gate, const BakePlan& plan) {
           movers(plan));
     case Gate::colliders:
       return "Paper that colliders squeeze farther than it can fold stays behind them: move them "
-             "less far or more slowly, give it more room, or try another --seed. If it is so from "
-             "the first frame on, move them away from where the paper begins.";
+             "less far or more slowly, give it more room, or try another --seed or more "
+             "--base-triangles. If it is so from the first frame on, move them away from where the "
+             "paper begins.";
     case Gate::reach:
       return "Bring these handles closer to each other, or accept that the paper follows them as "
-             "far as it can.";
+             "far as it can. No other attempts are made for the handles of such a shot.";
   }
   return "";
 }

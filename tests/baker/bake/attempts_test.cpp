@@ -95,6 +95,23 @@ TEST(Attempt, IsMadeAgainWhereAHandleGivesWayToAColliderThatMoves) {
   }
 }
 
+TEST(Attempt, IsNotMadeAgainForHandlesWhereTheKeysAreOutOfReach) {
+  BakeSettings settings;
+  settings.resume = Resume::never;
+  for (const bool out_of_reach : {false, true}) {
+    BakePlan plan = plan_of_one_sheet();
+    plan.animation.first_frame = 1;
+    plan.animation.last_frame = 3;
+    for (Handle& handle : plan.shots[0].handles)
+      handle.keyed = (Points3(2, 3) << 0, 0, 0, 0.1, 0, 0).finished();
+    if (out_of_reach) plan.impossible.push_back({"paper", {}});
+    Attempts attempts(settings, plan, "nowhere");
+    attempts.watch(frame_with_handles_off(1, 0, 0));
+    attempts.watch(frame_with_handles_off(2, 0.01, 0));
+    EXPECT_EQ(attempts.is_failing(), !out_of_reach);
+  }
+}
+
 TEST(Attempt, MissesTheGateOfCollidersAsItMissesThatOfHandles) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.0005, 0);
   BakePlan plan = plan_of_one_sheet();
