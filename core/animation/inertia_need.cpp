@@ -129,12 +129,13 @@ InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, doub
   need.needed = need.sway > flung;
   need.why =
       need.needed ? formatted("handles throw the sheet by %.0f %% of its side", 100 * need.sway)
-      : hanging   ? formatted("the sheet hangs at rest; handles carry it by %.2g %% of its side",
-                              100 * need.sway)
-                  : formatted(
-                        "handles hold the sheet; without air they would throw it by %.2g %% "
-                          "of its side, less than %.0f %%",
-                        100 * need.sway, 100 * flung);
+      : shot.handles.empty() ? "no handle holds the sheet, and it has no weight"
+      : hanging ? formatted("the sheet hangs at rest; handles carry it by %.2g %% of its side",
+                            100 * need.sway)
+                : formatted(
+                      "handles hold the sheet; without air they would throw it by %.2g %% "
+                      "of its side, less than %.0f %%",
+                      100 * need.sway, 100 * flung);
   return need;
 }
 

@@ -93,6 +93,7 @@ TEST(InertiaTest, AReleasedSheetNeedsInertiaOnlyUnderGravity) {
   Shot shot = shot_of(read_scene(free.write("free.gltf")));
   shot.handles.clear();
   EXPECT_NE(need_of_inertia(shot, {g}, 24, 1, 12).why.find("falls"), std::string::npos);
+  EXPECT_NE(need_of_inertia(shot, {0}, 24, 1, 12).why.find("no weight"), std::string::npos);
 }
 
 TEST(InertiaTest, ASheetHeldByOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
