@@ -56,6 +56,12 @@ struct CreaseEdge {
   std::optional<double> pressed = {};
 };
 
+/// An edge along which the paper has been a crease: it does not heal, but stays one when it opens.
+struct RememberedCrease {
+  int a, b;      // vertices of the sheet
+  double share;  // [1] how far it was one at its sharpest (crease_share)
+};
+
 /// A sheet of paper at one moment: its flat pattern and where it is in space.
 struct Sheet {
   Points2 pattern;      // |V|x2 [m]    flat rest shape
@@ -68,6 +74,8 @@ struct Sheet {
   // their state where it is no longer that of the first frame. It may come from an earlier mesh:
   // prescribed_creases.h finds the state of an edge
   std::vector<CreaseEdge> crease_edges = {};
+  // edges that have been creases, and are less so now; known only where it is rendered (ShotRecord)
+  std::vector<RememberedCrease> remembered = {};
 };
 
 /// A sheet with so many singular points is crumpled: one with fewer is smooth elsewhere.

@@ -76,7 +76,7 @@ CreasedNormals::CreasedNormals(const Triangles& triangles,
   }
 }
 
-Points3 CreasedNormals::normals(const Points3& x) const {
+Points3 CreasedNormals::normals(const Points3& x, const std::vector<double>& least) const {
   Points3 sum = Points3::Zero(normals_, 3);
   for (int t = 0; t < triangles_.rows(); ++t) {
     const Vector3d a = x.row(triangles_(t, 0)), b = x.row(triangles_(t, 1)),
@@ -90,8 +90,10 @@ Points3 CreasedNormals::normals(const Points3& x) const {
     sum.row(of_corner_(t, 2)) += lbc * lca * n;
   }
   std::vector<double> open(creases_.size());
-  for (std::size_t c = 0; c < creases_.size(); ++c)
+  for (std::size_t c = 0; c < creases_.size(); ++c) {
     open[c] = sharp_[c] ? 0 : 1 - crease_share(dihedral_angle(x, creases_[c]));
+    if (!least.empty()) open[c] = std::min(open[c], 1 - least[c]);
+  }
   std::vector<Eigen::RowVector3d> mixed;
   for (const Crossroads& roads : crossroads_) {
     const int n = static_cast<int>(roads.normal.size());

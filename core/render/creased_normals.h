@@ -26,7 +26,8 @@ class CreasedNormals {
   const Triangles& of_corner() const { return of_corner_; }
 
   /// Unit normals, one in each row, as many as of_corner() refers to.
-  Points3 normals(const Points3& x) const;
+  /// least  crease_share that each crease has at least; empty: none
+  Points3 normals(const Points3& x, const std::vector<double>& least = {}) const;
 
   /// How sharply the sheet is folded at each vertex: the largest |dihedral angle| of its creases.
   /// |V| [rad]

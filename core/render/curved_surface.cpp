@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace paperbake {
@@ -80,13 +81,17 @@ Points3 corner_normals(const Sheet& sheet, const Hinges& hinges, const std::vect
 }
 
 Folded look(const Sheet& sheet) {
+  std::map<std::pair<int, int>, double> remembered;  // share, by the vertices in order
+  for (const RememberedCrease& crease : sheet.remembered)
+    remembered[std::minmax(crease.a, crease.b)] = crease.share;
   Folded folded;
   folded.hinges = find_hinges(sheet.triangles);
   for (const Hinge& hinge : folded.hinges.hinges) {
+    const auto [v, w] = std::minmax(hinge.vertices[0], hinge.vertices[1]);
     folded.theta.push_back(dihedral_angle(sheet.x, hinge));
-    folded.share.push_back(is_folded(sheet, hinge.vertices[0], hinge.vertices[1])
-                               ? 1
-                               : crease_share(folded.theta.back()));
+    folded.share.push_back(is_folded(sheet, v, w) ? 1 : crease_share(folded.theta.back()));
+    if (const auto before = remembered.find({v, w}); before != remembered.end())
+      folded.share.back() = std::max(folded.share.back(), before->second);
   }
   folded.normals = corner_normals(sheet, folded.hinges, folded.share);
   return folded;

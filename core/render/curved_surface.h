@@ -26,8 +26,8 @@ constexpr double whole_crease = 0.8;   // [rad] and from which on it is 1
 /// S  developable curvature tensor, mean of the two ends; limited to a turn of 0.8 rad along an
 ///    edge, because the dihedral angles of a needle over its small area may give any curvature
 /// n  unit normal at the edge, mean of the two ends
-/// s  crease_share of the edge: a crease stays straight and sharp, and what lies beyond it does not
-///    contribute to S and n
+/// s  crease_share of the edge, or what is remembered of it where that is more: a crease stays
+///    straight and sharp, and what lies beyond it does not contribute to S and n
 ///
 /// source  this project
 struct CurvedSurface {

@@ -35,11 +35,15 @@ RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, in
     : simulated_edges_(mesh.simulated_edges),
       coarse_(std::move(mesh)),
       fit_options_(options),
-      coarse_normals_(normals_of(coarse_)) {
+      coarse_normals_(normals_of(coarse_)),
+      coarse_creases_(coarse_.pattern, coarse_.creases) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   mean_edge_ = mean_edge(this->mesh().pattern, this->mesh().triangles);
-  if (fine_) fine_normals_.emplace(normals_of(fine_->mesh));
+  if (fine_) {
+    fine_normals_.emplace(normals_of(fine_->mesh));
+    fine_creases_.emplace(fine_->mesh.pattern, fine_->mesh.creases);
+  }
 }
 
 RenderSurface::RenderSurface(RenderSurface&&) = default;
@@ -76,11 +80,11 @@ std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
 void RenderSurface::hold(const std::vector<int>& points) {
   if (!for_frames_) {
     const RenderMesh& all = mesh();
-    for_frames_.reset(new ForFrames{
-        {coarse_.pattern, coarse_.triangles, fit_options_, coarse_.prescribed_creases},
-        {coarse_.pattern, coarse_.triangles},
-        {},
-        {all.pattern, all.triangles}});
+    for_frames_.reset(new ForFrames{{coarse_.pattern, coarse_.triangles, fit_options_,
+                                     coarse_.prescribed_creases, coarse_.creases},
+                                    {coarse_.pattern, coarse_.triangles},
+                                    {},
+                                    {all.pattern, all.triangles}});
     if (fine_) for_frames_->fine_limit.emplace(all.pattern, all.triangles);
   }
   held_.clear();
@@ -113,10 +117,12 @@ RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint
   for (std::size_t k = 0; k < held_.size(); ++k) shape.x.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.x = for_frames_->shape_fit(shape.x, shape.curvature);
+  frame.remembered = coarse_creases_.least_shares(sheet);
+  frame.x = for_frames_->shape_fit(shape.x, shape.curvature, frame.remembered);
   for_frames_->coarse_limit(frame.x, is_held_);
   if (fine_) {
-    frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));
+    frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x, frame.remembered));
+    frame.remembered = fine_creases_->least_shares(sheet);
     limit_strain(frame.x);
   }
   frame.counted.x = frame.x.cast<float>().cast<double>();
@@ -134,7 +140,7 @@ int RenderSurface::crossings(const Points3& x) const { return for_frames_->count
 
 void RenderSurface::shade(RenderFrame& frame) const {
   const CreasedNormals& normals = fine_ ? *fine_normals_ : coarse_normals_;
-  frame.normals = normals.normals(frame.x);
+  frame.normals = normals.normals(frame.x, frame.remembered);
   frame.crease = normals.strength(frame.x);
 }
 

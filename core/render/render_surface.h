@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/point_location.h"
+#include "core/render/crease_memory.h"
 #include "core/render/creased_normals.h"
 #include "core/render/render_mesh.h"
 #include "core/render/shape_fit.h"
@@ -20,6 +21,9 @@ struct RenderFrame {
   Points3 x;               // |V|x3 [m]
   Points3 normals;         // unit; numbered as RenderSurface::normal_of_corner says
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
+  // [1] how far each crease of the mesh is one at least, since the paper remembers it; empty: it
+  // remembers none
+  std::vector<double> remembered;
   // layers that passed through each other were separated (untangle.h)
   bool kept_apart = false;
   // how many pairs of triangles passed through each other at these positions, which are those of a
@@ -107,8 +111,10 @@ class RenderSurface {
   RenderMesh coarse_;
   ShapeFitOptions fit_options_;
   CreasedNormals coarse_normals_;
+  CreasesOfMesh coarse_creases_;
   std::optional<Subdivision> fine_;
   std::optional<CreasedNormals> fine_normals_;
+  std::optional<CreasesOfMesh> fine_creases_;
   std::optional<Untangler> apart_;         // of mesh()
   double mean_edge_ = 0;                   // [m] of mesh()
   std::unique_ptr<ForFrames> for_frames_;  // made by the first hold()

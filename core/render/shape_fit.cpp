@@ -6,6 +6,7 @@
 #include "core/render/curved_surface.h"
 
 #include <cmath>
+#include <map>
 
 namespace paperbake {
 namespace {
@@ -41,7 +42,8 @@ void rotate_only(Row& f, Row& g) {
 }  // namespace
 
 ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
-                   const ShapeFitOptions& options, const std::vector<PrescribedCrease>& folds)
+                   const ShapeFitOptions& options, const std::vector<PrescribedCrease>& folds,
+                   const std::vector<std::pair<int, int>>& creases)
     : options_(options), hinges_(find_hinges(triangles)), area_(pattern.rows(), 0.0) {
   const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
   const double ell2 = options.length * options.length;
@@ -87,12 +89,24 @@ ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
                              bend.weight * bend.k[i] * bend.k[j]);
     bends_.push_back(bend);
   }
+  number(creases);
   for (int v = 0; v < pattern.rows(); ++v) entries.emplace_back(v, v, area_[v]);
   smooth_.resize(pattern.rows(), pattern.rows());
   smooth_.setFromTriplets(entries.begin(), entries.end());
   stiff_.resize(pattern.rows(), pattern.rows());
   stiff_.setFromTriplets(stretch.begin(), stretch.end());
   stiff_ += smooth_;
+}
+
+void ShapeFit::number(const std::vector<std::pair<int, int>>& creases) {
+  std::map<std::pair<int, int>, int> crease_at;
+  for (const auto& [a, b] : creases)
+    crease_at.emplace(std::minmax(a, b), static_cast<int>(crease_at.size()));
+  for (std::size_t h = 0; h < bends_.size(); ++h) {
+    const auto& v = hinges_.hinges[h].vertices;
+    if (const auto crease = crease_at.find(std::minmax(v[0], v[1])); crease != crease_at.end())
+      bends_[h].crease = crease->second;
+  }
 }
 
 void ShapeFit::hold(const std::vector<int>& vertices) {
@@ -157,7 +171,8 @@ Points3 ShapeFit::bend_pull(const Points3& y, const Points3& bend) const {
   return r;
 }
 
-Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
+Points3 ShapeFit::bend(const Points3& y, const Points3& curvature,
+                       const std::vector<double>& least) const {
   // [1] cosine of an angle that is safely no crease: most hinges need no look at theirs
   static const double smooth = std::cos(crease_begins) + 4e-5;
   Points3 normal(faces_.size(), 3);
@@ -171,10 +186,11 @@ Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
     const auto& k = bends_[h].k;
     const auto& t = hinges_.hinges[h].triangles;
     const bool is_smooth = normal.row(t[0]).dot(normal.row(t[1])) > smooth;
-    const double c = bends_[h].sharp ? 1
-                     : is_smooth || !options_.may_crease
-                         ? 0
-                         : crease_share(dihedral_angle(y, hinges_.hinges[h]));
+    double c = bends_[h].sharp ? 1
+               : is_smooth || !options_.may_crease
+                   ? 0
+                   : crease_share(dihedral_angle(y, hinges_.hinges[h]));
+    if (!least.empty() && bends_[h].crease >= 0) c = std::max(c, least[bends_[h].crease]);
     const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
     const double curved =
         0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);
@@ -193,10 +209,11 @@ void ShapeFit::move(Points3& x, const Points3& pull, const ColumnCholesky& facto
   for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += correction.row(k);
 }
 
-Points3 ShapeFit::operator()(const Points3& y, const Points3& curvature) const {
+Points3 ShapeFit::operator()(const Points3& y, const Points3& curvature,
+                             const std::vector<double>& least) const {
   Points3 x = y;
   if (free_.empty()) return x;
-  move(x, bend_pull(y, bend(y, curvature)), *smooth_factor_);
+  move(x, bend_pull(y, bend(y, curvature, least)), *smooth_factor_);
   for (int step = 0; step < options_.steps; ++step)
     move(x, (step + 1 < options_.steps ? 1 : options_.beyond) * stretch_pull(x), *stiff_factor_);
   return x;

@@ -48,9 +48,11 @@ struct ShapeFitOptions {
 /// source  [Bergou 2006] for K; otherwise this project
 class ShapeFit {
  public:
-  /// folds  prescribed creases: their hinges have c = 1, however small their angle
+  /// folds    prescribed creases: their hinges have c = 1, however small their angle
+  /// creases  edges of which a least c may be given
   ShapeFit(const Points2& pattern, const Triangles&, const ShapeFitOptions&,
-           const std::vector<PrescribedCrease>& folds = {});
+           const std::vector<PrescribedCrease>& folds = {},
+           const std::vector<std::pair<int, int>>& creases = {});
 
   /// These vertices stay where they are given, from now on. Factors the matrices when they are
   /// others than before.
@@ -58,9 +60,11 @@ class ShapeFit {
 
   /// y          |V|x3 [m] the given shape
   /// curvature  |V|x3 [1/m] Sxx, Sxy, Syy, positive where the sheet bulges towards its normal
+  /// least      least c of each edge that was given as a crease; empty: 0
   /// returns    |V|x3 [m] x
   /// May be called by several threads at the same time, after one of them has called hold().
-  Points3 operator()(const Points3& y, const Points3& curvature) const;
+  Points3 operator()(const Points3& y, const Points3& curvature,
+                     const std::vector<double>& least = {}) const;
 
  private:
   struct Face {
@@ -75,8 +79,10 @@ class ShapeFit {
     Vector3d of_curvature;    // [m2] K of -1/2 (qx^2, 2 qx qy, qy^2)
     double weight;            // ell^4 / A_h
     bool sharp;
+    int crease = -1;  // number of the crease that it is
   };
-  Points3 bend(const Points3& y, const Points3& curvature) const;
+  void number(const std::vector<std::pair<int, int>>& creases);
+  Points3 bend(const Points3& y, const Points3& curvature, const std::vector<double>& least) const;
   Points3 bend_pull(const Points3& y, const Points3& bend) const;
   void move(Points3& x, const Points3& pull, const ColumnCholesky&) const;
   Points3 stretch_pull(const Points3& x) const;

@@ -53,12 +53,14 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   }
   begins_sharp_ |= frames_.empty() && sharpest_fold(sheet) > crease_begins;
   touched_ |= frame.statistics.on_colliders > 0 || frame.statistics.touching_others > 0;
+  const Hinges hinges = find_hinges(sheet.triangles);
+  if (is_crumpled(sheet)) remember(sheet, hinges, same, record);
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // the list only grows: paper does not heal
   folds_ = folded_creases(sheet);
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 
-  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+  for (const Hinge& hinge : hinges.hinges) {
     const double theta = dihedral_angle(sheet.x, hinge);
     if (crease_share(theta) <= 0) continue;
     const CreaseSegment line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
@@ -69,10 +71,32 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   }
 }
 
+/// Only of a crumpled sheet: the edges of smooth paper are those of its mesh.
+void ShotRecord::remember(const Sheet& sheet, const Hinges& hinges, bool same_mesh,
+                          RecordedFrame& record) {
+  std::map<LineKey, std::pair<Segment2, double>> now;
+  for (const Hinge& hinge : hinges.hinges) {
+    const CreaseSegment line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
+    const LineKey key = key_of(line);
+    const double share = crease_share(dihedral_angle(sheet.x, hinge));
+    double most = share;
+    if (const auto known = sharpest_.find(key); known != sharpest_.end())
+      most = std::max(most, known->second.second);
+    else if (!same_mesh)  // an edge of another one that was divided
+      for (const auto& [of, before] : sharpest_)
+        if (before.second > most && is_part({line.a, line.b}, before.first)) most = before.second;
+    if (most == 0) continue;
+    now.emplace(key, std::pair(Segment2{line.a, line.b}, most));
+    if (most > share) record.remembered.push_back({hinge.vertices[0], hinge.vertices[1], most});
+  }
+  sharpest_ = std::move(now);
+}
+
 Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
   const Mesh& mesh = meshes_[frame.mesh];
   Sheet sheet{mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
   sheet.crease_edges = frame.folded;
+  sheet.remembered = frame.remembered;
   return sheet;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/geometry/hinges.h"
 #include "core/model/frame.h"
+#include "core/model/segment2.h"
 #include "core/model/shot.h"
 #include "core/render/render_mesh.h"
 
@@ -18,9 +20,10 @@ struct RecordedFrame {
   // index in ShotRecord::meshes
   int mesh = 0;
   using Positions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  Positions x;                     // [m]
-  Positions carried;               // [m] AnimatedFrame::carried
-  std::vector<CreaseEdge> folded;  // edges of creases that are folded by now
+  Positions x;                               // [m]
+  Positions carried;                         // [m] AnimatedFrame::carried
+  std::vector<CreaseEdge> folded;            // edges of creases that are folded by now
+  std::vector<RememberedCrease> remembered;  // as in Sheet
   // handles that hold the sheet
   std::vector<int> held;
   Points3 held_at;  // [m] where they hold it
@@ -76,7 +79,12 @@ class ShotRecord {
   };
   std::vector<Mesh> meshes_;
   std::vector<RecordedFrame> frames_;
-  std::map<std::array<long, 4>, FoldedEdge> creases_;  // by their ends, in units of 1e-7 m
+  using LineKey = std::array<long, 4>;  // the ends of an edge, in units of 1e-7 m
+  void remember(const Sheet&, const Hinges&, bool same_mesh, RecordedFrame&);
+
+  std::map<LineKey, FoldedEdge> creases_;
+  // edges of the last mesh, and the crease_share that each had at its sharpest
+  std::map<LineKey, std::pair<Segment2, double>> sharpest_;
   std::vector<SingularPoint> singular_;
   std::vector<PrescribedCrease> folds_;
   double edges_ = 0;

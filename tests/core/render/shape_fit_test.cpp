@@ -112,6 +112,27 @@ TEST(ShapeFitTest, KeepsAFoldSharp) {
       1e-3);
 }
 
+TEST(ShapeFitTest, KeepsAShallowFoldSharpWhereItIsACreaseAtLeast) {
+  constexpr double turn = 0.3;  // [rad]
+  Sheet sheet = test::strip_sheet(0.1, 0.004, 50);
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double s = sheet.pattern(v, 0) - 0.05, beyond = std::max(s, 0.0);
+    sheet.x.row(v) << std::min(s, 0.0) + beyond * std::cos(turn), sheet.pattern(v, 1),
+        beyond * std::sin(turn);
+  }
+  const std::pair<int, int> first{0, 1}, middle{51, 50};
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006), {}, {first, middle});
+  solve.hold({});
+  const auto moved = [&](const std::vector<double>& least) {
+    const Points3 x = solve(sheet.x, Points3::Zero(sheet.x.rows(), 3), least);
+    return (x - sheet.x).rowwise().norm().maxCoeff();
+  };
+  EXPECT_GT(moved({}), 1e-4) << "it is rounded";
+  EXPECT_EQ(moved({0, 0}), moved({}));
+  EXPECT_LT(moved({0, 1}), 1e-6);
+  EXPECT_LT(moved({0, 0.5}), 0.6 * moved({}));
+}
+
 TEST(ShapeFitTest, HeldVerticesStayToTheLastBit) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 20);
   test::roll(sheet, 0.03);
