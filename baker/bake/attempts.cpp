@@ -22,7 +22,8 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
-/// Of the attempts for handles that are off the first on eight times as many triangles.
+/// Number of the first attempt on the finest mesh, eight times as many triangles, where handles are
+/// off (refinement).
 constexpr std::size_t finest_for_handles = 3;
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
@@ -229,12 +230,12 @@ bool Attempts::search(Candidates& all, Progress& progress, StopRequest& stop,
        next = best_of(all)) {
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
-      progress.message(fmt::format("attempt {} of {} is tried: {}", next - all.begin() + 1,
+      progress.message(fmt::format("attempt {} of {} is tried: {}", (*next)->known().number + 1,
                                    most_attempts(), why_tried(**(next - 1))));
     start_likeliest(all, **next, settings_.threads);
     (*next)->show_frame();
     if (frequent.is_due())
-      progress.message((*next)->describe_state(next - all.begin() + 1, most_attempts()));
+      progress.message((*next)->describe_state((*next)->known().number + 1, most_attempts()));
     if (may_need_another(*all.back(), all.size()))
       all.push_back(make_candidate(all.size(), reason_, stop, clock));
   }
@@ -243,7 +244,7 @@ bool Attempts::search(Candidates& all, Progress& progress, StopRequest& stop,
 }
 
 bool Attempts::is_crumple_doubted(const Candidates& all, const Attempt& best) const {
-  return reason_ == AttemptReason::handle_off && may_be_finer(settings_) &&
+  return reason_ == AttemptReason::handle_off && handles_moved_ && may_be_finer(settings_) &&
          best.points >= points_of_a_crumple && worst_miss(best) <= 1 &&
          all.size() <= finest_for_handles &&
          all.size() < static_cast<std::size_t>(settings_.attempts) &&
@@ -266,8 +267,8 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
   choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best_of(all) - all.begin());
   for (const auto& candidate : all) choice.tried.push_back(candidate->known());
   if (!choice.hopeless && is_crumple_doubted(all, choice.tried[choice.baked])) {
-    progress.message(
-        fmt::format("another attempt is tried: {}", why_doubted(choice.tried[choice.baked])));
+    progress.message(fmt::format("attempt {} of {} is tried: {}", finest_for_handles + 1,
+                                 most_attempts(), why_doubted(choice.tried[choice.baked])));
     all.clear();
     all.push_back(make_candidate(finest_for_handles, AttemptReason::crumpled, stop, clock));
     if (!search(all, progress, stop, clock)) return false;
@@ -315,8 +316,9 @@ void Attempts::adopt(AttemptChoice choice) {
 
 /// What a decision depends on.
 std::string Attempts::key() const {
-  return fmt::format("{} {} {} {}", program_key(), scene_input_hash(first_),
-                     first_.animation.last_frame, may_be_finer(settings_) ? "finer" : "as given");
+  return fmt::format("{} {} {} {} {}", program_key(), scene_input_hash(first_),
+                     first_.animation.last_frame, may_be_finer(settings_) ? "finer" : "as given",
+                     settings_.attempts);
 }
 
 void Attempts::keep_choice(const AttemptChoice& choice) const {

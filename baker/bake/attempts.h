@@ -22,10 +22,10 @@ using Candidates = std::vector<std::unique_ptr<Candidate>>;
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
 /// matter of luck, and the first one is baked. Nor is it where nothing has moved, neither handles
 /// nor colliders, or where handles are keyed out of reach, so that the shot misses its gate
-/// whichever is baked. Where only colliders have moved, there are two others at most, one with each
-/// of the finer meshes below: what they push away they push away with most seeds, but paper may
-/// crumple under them only because its mesh is too coarse to bend. Depth inside a collider counts
-/// as much as a handle that misses its gate as many times (worst_miss).
+/// whichever is baked. Where only colliders have moved, there are two others at most, on twice and
+/// on four times as many triangles: what they push away they push away with most seeds, but paper
+/// may crumple under them only because its mesh is too coarse to bend. Depth inside a collider
+/// counts as much as a handle that misses its gate as many times (worst_miss).
 ///
 /// A mesh may also be too coarse for the bends of a shot: a sheet gets singular points only because
 /// of that, or it stays smooth and is angular, or off (BendWatch). Where all handles hold, no
@@ -40,14 +40,14 @@ using Candidates = std::vector<std::unique_ptr<Candidate>>;
 /// frames would depend on which part that is, and a message says that the whole shot may come out
 /// otherwise.
 ///
-/// The attempts for handles that are off are: the seed of the bake; that seed + 1000, + 2000, +
+/// The attempts for handles that are off are: the seed of the bake; that seed plus 1000, 2000,
 /// 3000, ... The second, the third and the fourth have a first mesh of twice, four and eight times
 /// as many triangles, unless a number of triangles was asked for; the fifth has twice as many
 /// again. If a rehearsal has doubled the mesh of the first one, that is what they are multiples of.
 /// Where only colliders move it is not: what these push through a sheet that is held is seldom a
-/// matter of its mesh, and the attempts would cost much. If the best of them holds the handles, but
-/// crumples, that may be what holds them. So the fourth one is simulated, too, is judged as where a
-/// mesh is doubted, and is baked if it does not crumple.
+/// matter of its mesh, and the attempts would cost much. If handles move and the best of them holds
+/// them, but crumples, that may be what holds them. So the fourth one is simulated, too, as far as
+/// one of a mesh that is doubted would be (see above), and is baked if it gets to the end.
 ///
 /// source  this project
 class Attempts {
@@ -94,7 +94,7 @@ class Attempts {
   bool load_choice();
   void keep_choice(const AttemptChoice&) const;
   std::filesystem::path folder_of(std::size_t attempt) const;
-  /// reason  by which it is judged
+  /// reason  by which it is judged, which need not be why others are tried (reason_)
   std::unique_ptr<Candidate> make_candidate(std::size_t number, AttemptReason, StopRequest&,
                                             StageClock&) const;
   /// Simulates the best of all so far until it is over or hopeless, and forgets those that were

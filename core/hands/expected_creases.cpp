@@ -488,15 +488,25 @@ std::vector<ExpectedCrease> without_those_beyond(std::vector<ExpectedCrease> cre
 
 using Hand = std::vector<int>;  // handles
 
-/// Whether one of the hands that fold a line has no handle of those that are known.
-bool has_new_hand(const ExpectedCrease& crease, const std::vector<Hand>& known) {
-  const auto is_known = [&](int handle) {
-    return std::any_of(known.begin(), known.end(), [&](const Hand& hand) {
-      return std::find(hand.begin(), hand.end(), handle) != hand.end();
+/// Whether a hand has no handle of those that are known.
+bool is_new(const Hand& hand, const std::vector<Hand>& known) {
+  return std::none_of(hand.begin(), hand.end(), [&](int handle) {
+    return std::any_of(known.begin(), known.end(), [&](const Hand& other) {
+      return std::find(other.begin(), other.end(), handle) != other.end();
     });
-  };
-  return std::none_of(crease.plate.begin(), crease.plate.end(), is_known) ||
-         std::none_of(crease.other.begin(), crease.other.end(), is_known);
+  });
+}
+
+/// Whether there are two plates or more, and a new one among them.
+bool may_fold(const Clamps& clamps, const std::vector<Hand>& known) {
+  int plates = 0;
+  bool any_new = false;
+  for (const Clamp& clamp : clamps.all()) {
+    if (!clamp.is_plate) continue;
+    ++plates;
+    any_new = any_new || is_new(clamp.handles, known);
+  }
+  return plates > 1 && any_new;
 }
 
 /// Whether a row is a part of one of the hands.
@@ -539,7 +549,7 @@ std::vector<ExpectedCrease> folds_of(const Clamps& clamps, const Shot& shot,
   return expected;
 }
 
-/// Adds those that are along no line that is known yet.
+/// Adds lines, and the turn of those that are known to what is known of it.
 void add_new_lines(std::vector<ExpectedCrease>& all, std::vector<ExpectedCrease> more,
                    const Pattern& pattern) {
   const std::size_t before = all.size();
@@ -549,7 +559,10 @@ void add_new_lines(std::vector<ExpectedCrease>& all, std::vector<ExpectedCrease>
       return is_same_line(one.line, crease.line, longer_side(pattern));
     });
     place.push_back(static_cast<int>(known - all.begin()));
-    if (known == all.end()) all.push_back(std::move(crease));
+    if (known == all.end())
+      all.push_back(std::move(crease));
+    else
+      add_turn(*known, crease);
   }
   for (std::size_t k = before; k < all.size(); ++k)
     if (all[k].by == ExpectedCrease::By::folds_that_cross)
@@ -575,10 +588,12 @@ std::vector<ExpectedCrease> expected_creases(const Shot& as_keyed, int first_fra
   for (const int row : whole.rows_of_parting()) {
     for (std::size_t h = 0; h < part.handles.size(); ++h)
       part.handles[h].release_frame = std::min(shot.handles[h].release_frame, first_frame + row);
-    before_parting.push_back(
-        folds_of(Clamps(part, first_frame), part, [&](const ExpectedCrease& crease) {
-          return crease.by != ExpectedCrease::By::two_plates || !has_new_hand(crease, hands);
-        }));
+    const Clamps clamps(part, first_frame);
+    if (!may_fold(clamps, hands)) continue;
+    before_parting.push_back(folds_of(clamps, part, [&](const ExpectedCrease& crease) {
+      return crease.by != ExpectedCrease::By::two_plates ||
+             (!is_new(crease.plate, hands) && !is_new(crease.other, hands));
+    }));
     for (const ExpectedCrease& crease : before_parting.back())
       hands.insert(hands.end(), {crease.plate, crease.other});
   }

@@ -55,8 +55,10 @@ double largest_turn(const ExpectedCrease&);
 /// side, those of the two clamps within 0.03 %, are taken as points of it. Lines end at the border,
 /// and those that end within 0.5 % of each other at one point.
 ///
-/// Two plates whose handles keep their distances for the first part of a shot only fold the paper
-/// in that part, and are taken to let go when their handles part.
+/// Plates whose handles keep their distances for the first part of a shot only fold the paper in
+/// that part. For each row in which two handles part, the latest first, lines are looked for as if
+/// all handles let go then; they count where one of the two plates has no handle of hands that are
+/// known by then.
 ///
 /// Other clamps that fold along the same line add their turn in the frames in which the first ones
 /// do not hold.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 
 #include <utility>
@@ -14,14 +13,18 @@ class CreasesOfMesh {
   /// creases  edges (two vertices)
   CreasesOfMesh(const Points2& pattern, const std::vector<std::pair<int, int>>& creases);
 
-  /// How far each crease is one at least: it lies along an edge that is remembered
-  /// (Sheet::remembered). [1] empty: none is
-  std::vector<double> least_shares(const Sheet&) const;
+  /// How far each crease is one at least. [1] empty: no edge is remembered
+  /// It is what is remembered of an edge that runs along it: in nearly the same direction, within a
+  /// twentieth of its length from the middle of the crease. A fine mesh has rows of vertices along
+  /// it that are not exactly on it.
+  /// pattern  of the mesh whose edges are remembered
+  std::vector<double> least_shares(const Points2& pattern,
+                                   const std::vector<RememberedCrease>&) const;
 
  private:
   struct Crease {
-    double x;  // [m] of its middle
-    Segment2 line;
+    Vector2d middle;  // [m]
+    Vector2d along;   // of length 1
     std::size_t number;
   };
   std::vector<Crease> creases_;  // in the order of x

@@ -38,7 +38,8 @@ CreasedNormals::CreasedNormals(const Triangles& triangles,
     const std::pair<int, int> edge = std::minmax(v[0], v[1]);
     const auto found = std::lower_bound(creases.begin(), creases.end(), edge);
     if (found == creases.end() || *found != edge) continue;
-    sharp_.push_back(!sharp.empty() && sharp[found - creases.begin()]);
+    number_.push_back(found - creases.begin());
+    sharp_.push_back(!sharp.empty() && sharp[number_.back()]);
     crease_of_hinge[h] = static_cast<int>(creases_.size());
     creases_.push_back(hinges.hinges[h]);
   }
@@ -92,7 +93,7 @@ Points3 CreasedNormals::normals(const Points3& x, const std::vector<double>& lea
   std::vector<double> open(creases_.size());
   for (std::size_t c = 0; c < creases_.size(); ++c) {
     open[c] = sharp_[c] ? 0 : 1 - crease_share(dihedral_angle(x, creases_[c]));
-    if (!least.empty()) open[c] = std::min(open[c], 1 - least[c]);
+    if (!least.empty()) open[c] = std::min(open[c], 1 - least[number_[c]]);
   }
   std::vector<Eigen::RowVector3d> mixed;
   for (const Crossroads& roads : crossroads_) {

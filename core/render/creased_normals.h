@@ -13,7 +13,8 @@ namespace paperbake {
 /// crease that lies flat the same normal is there under two numbers.
 ///
 /// Triangles are weighted as in [Max 1999], which is exact on spheres. Across a crease they count
-/// only as far as it lies flat (1 - crease_share of its dihedral angle).
+/// only as far as it lies flat (1 - crease_share of its dihedral angle) and is no crease that is
+/// remembered.
 class CreasedNormals {
  public:
   /// creases  edges (smaller vertex first, sorted) along which the mesh may fold sharply
@@ -26,7 +27,7 @@ class CreasedNormals {
   const Triangles& of_corner() const { return of_corner_; }
 
   /// Unit normals, one in each row, as many as of_corner() refers to.
-  /// least  crease_share that each crease has at least; empty: none
+  /// least  crease_share that each crease has at least, numbered as they were given; empty: none
   Points3 normals(const Points3& x, const std::vector<double>& least = {}) const;
 
   /// How sharply the sheet is folded at each vertex: the largest |dihedral angle| of its creases.
@@ -42,7 +43,8 @@ class CreasedNormals {
   int vertices_ = 0, normals_ = 0;
   Triangles triangles_, of_corner_;
   std::vector<Hinge> creases_;
-  std::vector<char> sharp_;  // of each crease
+  std::vector<char> sharp_;          // of each crease
+  std::vector<std::size_t> number_;  // of each crease among those that were given
   std::vector<Crossroads> crossroads_;
 };
 

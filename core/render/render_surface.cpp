@@ -117,12 +117,12 @@ RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint
   for (std::size_t k = 0; k < held_.size(); ++k) shape.x.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.remembered = coarse_creases_.least_shares(sheet);
+  frame.remembered = coarse_creases_.least_shares(sheet.pattern, sheet.remembered);
   frame.x = for_frames_->shape_fit(shape.x, shape.curvature, frame.remembered);
   for_frames_->coarse_limit(frame.x, is_held_);
   if (fine_) {
     frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x, frame.remembered));
-    frame.remembered = fine_creases_->least_shares(sheet);
+    frame.remembered = fine_creases_->least_shares(sheet.pattern, sheet.remembered);
     limit_strain(frame.x);
   }
   frame.counted.x = frame.x.cast<float>().cast<double>();

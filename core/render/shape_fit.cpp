@@ -100,8 +100,8 @@ ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
 
 void ShapeFit::number(const std::vector<std::pair<int, int>>& creases) {
   std::map<std::pair<int, int>, int> crease_at;
-  for (const auto& [a, b] : creases)
-    crease_at.emplace(std::minmax(a, b), static_cast<int>(crease_at.size()));
+  for (std::size_t c = 0; c < creases.size(); ++c)
+    crease_at.emplace(std::minmax(creases[c].first, creases[c].second), static_cast<int>(c));
   for (std::size_t h = 0; h < bends_.size(); ++h) {
     const auto& v = hinges_.hinges[h].vertices;
     if (const auto crease = crease_at.find(std::minmax(v[0], v[1])); crease != crease_at.end())

@@ -35,9 +35,10 @@ struct ShapeFitOptions {
 /// y    the given shape
 /// a_v  area of a vertex;  A_t  of a triangle;  A_h  of the two triangles of a hinge
 /// K    quadratic bending [Bergou 2006]: the cotangents of a hinge, zero for a flat shape
-/// c    crease_share of the hinge in y, where there may be creases: a sharp hinge keeps its bend,
-///      any other is to bend as the curvature S says: K_h S n is K of the height -1/2 q^T S q over
-///      the plane with the normal n of the hinge
+/// c    crease_share of the hinge in y, where there may be creases, or the least that is given for
+///      it, where that is more: a sharp hinge keeps its bend, any other is to bend as the curvature
+///      S says: K_h S n is K of the height -1/2 q^T S q over the plane with the normal n of the
+///      hinge
 /// F    gradient on the pattern
 /// R    F (F^T F)^(-1/2) at x, the nearest map without stretch
 ///
@@ -79,7 +80,7 @@ class ShapeFit {
     Vector3d of_curvature;    // [m2] K of -1/2 (qx^2, 2 qx qy, qy^2)
     double weight;            // ell^4 / A_h
     bool sharp;
-    int crease = -1;  // number of the crease that it is
+    int crease = -1;  // which of the edges that were given as creases it is; -1: none
   };
   void number(const std::vector<std::pair<int, int>>& creases);
   Points3 bend(const Points3& y, const Points3& curvature, const std::vector<double>& least) const;

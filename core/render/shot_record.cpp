@@ -4,6 +4,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_coarseness.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/render/crease_memory.h"
 #include "core/render/curved_surface.h"
 
 #include <algorithm>
@@ -74,22 +75,24 @@ void ShotRecord::add(const AnimatedFrame& frame) {
 /// Only of a crumpled sheet: the edges of smooth paper are those of its mesh.
 void ShotRecord::remember(const Sheet& sheet, const Hinges& hinges, bool same_mesh,
                           RecordedFrame& record) {
-  std::map<LineKey, std::pair<Segment2, double>> now;
-  for (const Hinge& hinge : hinges.hinges) {
-    const CreaseSegment line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
-    const LineKey key = key_of(line);
-    const double share = crease_share(dihedral_angle(sheet.x, hinge));
-    double most = share;
-    if (const auto known = sharpest_.find(key); known != sharpest_.end())
-      most = std::max(most, known->second.second);
-    else if (!same_mesh)  // an edge of another one that was divided
-      for (const auto& [of, before] : sharpest_)
-        if (before.second > most && is_part({line.a, line.b}, before.first)) most = before.second;
-    if (most == 0) continue;
-    now.emplace(key, std::pair(Segment2{line.a, line.b}, most));
-    if (most > share) record.remembered.push_back({hinge.vertices[0], hinge.vertices[1], most});
+  std::vector<std::pair<int, int>> edges;
+  for (const Hinge& hinge : hinges.hinges) edges.emplace_back(hinge.vertices[0], hinge.vertices[1]);
+  std::vector<double> sharpest(edges.size(), 0.0);
+  if (!creases_so_far_.empty() && same_mesh)
+    for (const auto& [hinge, crease] : creases_so_far_) sharpest[hinge] = crease.share;
+  else if (!creases_so_far_.empty()) {
+    std::vector<RememberedCrease> before;
+    for (const auto& [hinge, crease] : creases_so_far_) before.push_back(crease);
+    sharpest = CreasesOfMesh(sheet.pattern, edges)
+                   .least_shares(meshes_[meshes_.size() - 2].pattern, before);
   }
-  sharpest_ = std::move(now);
+  creases_so_far_.clear();
+  for (std::size_t h = 0; h < edges.size(); ++h) {
+    const double share = crease_share(dihedral_angle(sheet.x, hinges.hinges[h]));
+    const RememberedCrease crease{edges[h].first, edges[h].second, std::max(share, sharpest[h])};
+    if (crease.share > 0) creases_so_far_.emplace_back(h, crease);
+    if (crease.share > share) record.remembered.push_back(crease);
+  }
 }
 
 Sheet ShotRecord::sheet(const RecordedFrame& frame) const {

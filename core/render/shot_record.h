@@ -2,13 +2,13 @@
 
 #include "core/geometry/hinges.h"
 #include "core/model/frame.h"
-#include "core/model/segment2.h"
 #include "core/model/shot.h"
 #include "core/render/render_mesh.h"
 
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -77,14 +77,13 @@ class ShotRecord {
     // [1] sum over the frames of the squared error in length of an edge that runs across the fold
     double error = 0;
   };
-  std::vector<Mesh> meshes_;
-  std::vector<RecordedFrame> frames_;
-  using LineKey = std::array<long, 4>;  // the ends of an edge, in units of 1e-7 m
   void remember(const Sheet&, const Hinges&, bool same_mesh, RecordedFrame&);
 
-  std::map<LineKey, FoldedEdge> creases_;
-  // edges of the last mesh, and the crease_share that each had at its sharpest
-  std::map<LineKey, std::pair<Segment2, double>> sharpest_;
+  std::vector<Mesh> meshes_;
+  std::vector<RecordedFrame> frames_;
+  std::map<std::array<long, 4>, FoldedEdge> creases_;  // by their ends, in units of 1e-7 m
+  // of the last mesh, each with the number of its hinge, at its sharpest
+  std::vector<std::pair<std::size_t, RememberedCrease>> creases_so_far_;
   std::vector<SingularPoint> singular_;
   std::vector<PrescribedCrease> folds_;
   double edges_ = 0;

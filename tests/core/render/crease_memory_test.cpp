@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace paperbake {
@@ -90,9 +91,9 @@ TEST(CreaseMemoryTest, CreasesOfAnotherMeshAreFoundAlongTheEdge) {
                       {{}, {{{middle, 0.0}, {middle, width}}, {{0.02, 0.0}, {0.02, width}}}});
   const CreasesOfMesh creases(mesh.pattern, mesh.creases);
   Sheet sheet = crumpled_sheet(points_of_a_crumple);
-  EXPECT_TRUE(creases.least_shares(sheet).empty());
+  EXPECT_TRUE(creases.least_shares(sheet.pattern, {}).empty());
   sheet.remembered = {{5, 4, 0.7}};
-  const std::vector<double> shares = creases.least_shares(sheet);
+  const std::vector<double> shares = creases.least_shares(sheet.pattern, sheet.remembered);
   ASSERT_EQ(shares.size(), mesh.creases.size());
   int along = 0;
   for (std::size_t c = 0; c < shares.size(); ++c) {
@@ -127,6 +128,36 @@ TEST(CreaseMemoryTest, NormalsAreSplitAtACreaseThatIsRememberedHoweverSmallItsAn
   const double between = most_apart(creased.normals(sheet.x, half));
   EXPECT_GT(between, 0.1 * turn);
   EXPECT_LT(between, most_apart(creased.normals(sheet.x)));
+}
+
+TEST(CreaseMemoryTest, EachCreaseHasItsOwnLeastShare) {
+  // three lines, all nearly flat: the paper is smooth along those that are not remembered
+  const RenderMesh mesh = mesh_for_render(test::rectangle(2 * middle, width), 0.004,
+                                          {{},
+                                           {{{0.02, 0.0}, {0.02, width}},
+                                            {{middle, 0.0}, {middle, width}},
+                                            {{0.08, 0.0}, {0.08, width}}}});
+  Sheet sheet = test::flat_sheet(mesh.pattern, mesh.triangles);
+  test::roll(sheet, 0.05);
+  std::vector<double> least;
+  for (const auto& [a, b] : mesh.creases)
+    least.push_back(std::abs(mesh.pattern(a, 0) - middle) < 1e-6 &&
+                    std::abs(mesh.pattern(b, 0) - middle) < 1e-6);
+  ASSERT_EQ(std::count(least.begin(), least.end(), 1.0), static_cast<int>(least.size()) / 3);
+  const CreasedNormals creased(mesh.triangles, mesh.creases);
+  const Points3 normals = creased.normals(sheet.x, least);
+  double split = 0, smooth = 0;  // [rad] between the normals of two corners at one inner vertex
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int v = mesh.triangles(t, i);
+      const Vector2d p = mesh.pattern.row(v);
+      if (p.y() < 1e-9 || p.y() > width - 1e-9) continue;
+      const double apart = angle_between(normals.row(v), normals.row(creased.of_corner()(t, i)));
+      (std::abs(p.x() - middle) < 1e-6 ? split : smooth) =
+          std::max(std::abs(p.x() - middle) < 1e-6 ? split : smooth, apart);
+    }
+  EXPECT_GT(split, 0.02);
+  EXPECT_LT(smooth, 1e-7);
 }
 
 }  // namespace
