@@ -22,9 +22,6 @@ namespace paperbake {
 namespace {
 
 constexpr unsigned seed_step = 1000;
-/// Number of the first attempt on the finest mesh, eight times as many triangles, where handles are
-/// off (refinement).
-constexpr std::size_t finest_for_handles = 3;
 
 /// Starts the next frame of the candidate that is chosen to go on, and on the threads that are free
 /// those of the candidates that are most likely to be chosen next.
@@ -60,10 +57,11 @@ Candidates::const_iterator best_of(const Candidates& all) {
 
 int refinement(std::size_t attempt, AttemptReason reason, int doublings) {
   if (attempt == 0) return 1;
-  const int doubled = reason == AttemptReason::handle_off ? 1 + static_cast<int>((attempt - 1) % 3)
-                      : attempt % 2 == 1                  ? 2
-                                                          : 3;
-  return 1 << (doubled + doublings);
+  const bool is_odd = attempt % 2 == 1;
+  const int ladder = attempt == attempt_on_finest_mesh     ? 8
+                     : reason == AttemptReason::handle_off ? (is_odd ? 2 : 4)
+                                                           : (is_odd ? 4 : 8);
+  return ladder << doublings;
 }
 
 Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan, std::filesystem::path state)
@@ -142,7 +140,7 @@ Attempt Attempts::describe_attempt(std::size_t number) const {
   for (const Shot& shot : first_.shots)
     attempt.base_triangles =
         std::max(attempt.base_triangles, first_triangles(settings, shot.pattern));
-  if (reason_ == AttemptReason::handle_off)
+  if (reason_ == AttemptReason::handle_off && number != attempt_on_finest_mesh)
     attempt.seed_offset = seed_step * static_cast<unsigned>(number);
   return attempt;
 }
@@ -223,19 +221,20 @@ std::size_t Attempts::most_attempts() const {
              : std::min(allowed, one_on_each_mesh);
 }
 
-bool Attempts::search(Candidates& all, Progress& progress, StopRequest& stop,
+bool Attempts::search(Candidates& all, std::size_t before, Progress& progress, StopRequest& stop,
                       StageClock& clock) const {
+  const std::size_t of = std::max(most_attempts(), before + all.size());
   FrequentMessage frequent;
   for (auto next = best_of(all); !(*next)->is_over() && !(*next)->is_hopeless();
        next = best_of(all)) {
     if (stop.is_made()) return false;
+    const std::size_t number = before + (next - all.begin()) + 1;
     if (next != all.begin() && !(*next)->has_begun())
-      progress.message(fmt::format("attempt {} of {} is tried: {}", (*next)->known().number + 1,
-                                   most_attempts(), why_tried(**(next - 1))));
+      progress.message(
+          fmt::format("attempt {} of {} is tried: {}", number, of, why_tried(**(next - 1))));
     start_likeliest(all, **next, settings_.threads);
     (*next)->show_frame();
-    if (frequent.is_due())
-      progress.message((*next)->describe_state((*next)->known().number + 1, most_attempts()));
+    if (frequent.is_due()) progress.message((*next)->describe_state(number, of));
     if (may_need_another(*all.back(), all.size()))
       all.push_back(make_candidate(all.size(), reason_, stop, clock));
   }
@@ -243,12 +242,10 @@ bool Attempts::search(Candidates& all, Progress& progress, StopRequest& stop,
   return true;
 }
 
-bool Attempts::is_crumple_doubted(const Candidates& all, const Attempt& best) const {
+bool Attempts::is_crumple_doubted(const Attempt& best) const {
   return reason_ == AttemptReason::handle_off && handles_moved_ && may_be_finer(settings_) &&
-         best.points >= points_of_a_crumple && worst_miss(best) <= 1 &&
-         all.size() <= finest_for_handles &&
-         all.size() < static_cast<std::size_t>(settings_.attempts) &&
-         describe_attempt(finest_for_handles).base_triangles > best.base_triangles;
+         best.points >= points_of_a_crumple && worst_miss(best) <= 1 && settings_.attempts > 2 &&
+         describe_attempt(attempt_on_finest_mesh).base_triangles > best.base_triangles;
 }
 
 bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) {
@@ -260,18 +257,20 @@ bool Attempts::choose(Progress& progress, StopRequest& stop, StageClock& clock) 
   Candidates all;
   const std::size_t at_once = reason_ == AttemptReason::handle_off ? most_attempts() : 2;
   while (all.size() < at_once) all.push_back(make_candidate(all.size(), reason_, stop, clock));
-  if (!search(all, progress, stop, clock)) return false;
+  if (!search(all, 0, progress, stop, clock)) return false;
   AttemptChoice choice;
   choice.reason = reason_;
   choice.hopeless = !(*best_of(all))->is_over();
   choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best_of(all) - all.begin());
   for (const auto& candidate : all) choice.tried.push_back(candidate->known());
-  if (!choice.hopeless && is_crumple_doubted(all, choice.tried[choice.baked])) {
-    progress.message(fmt::format("attempt {} of {} is tried: {}", finest_for_handles + 1,
-                                 most_attempts(), why_doubted(choice.tried[choice.baked])));
+  if (!choice.hopeless && is_crumple_doubted(choice.tried[choice.baked])) {
+    const std::size_t before = choice.tried.size();
+    progress.message(fmt::format("attempt {} of {} is tried: {}", before + 1,
+                                 std::max(most_attempts(), before + 1),
+                                 why_doubted(choice.tried[choice.baked])));
     all.clear();
-    all.push_back(make_candidate(finest_for_handles, AttemptReason::crumpled, stop, clock));
-    if (!search(all, progress, stop, clock)) return false;
+    all.push_back(make_candidate(attempt_on_finest_mesh, AttemptReason::crumpled, stop, clock));
+    if (!search(all, before, progress, stop, clock)) return false;
     choice.tried.push_back(all.back()->known());
     if (!all.back()->is_hopeless()) choice.baked = choice.tried.size() - 1;
   }

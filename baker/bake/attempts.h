@@ -41,13 +41,14 @@ using Candidates = std::vector<std::unique_ptr<Candidate>>;
 /// otherwise.
 ///
 /// The attempts for handles that are off are: the seed of the bake; that seed plus 1000, 2000,
-/// 3000, ... The second, the third and the fourth have a first mesh of twice, four and eight times
-/// as many triangles, unless a number of triangles was asked for; the fifth has twice as many
-/// again. If a rehearsal has doubled the mesh of the first one, that is what they are multiples of.
-/// Where only colliders move it is not: what these push through a sheet that is held is seldom a
-/// matter of its mesh, and the attempts would cost much. If handles move and the best of them holds
-/// them, but crumples, that may be what holds them. So the fourth one is simulated, too, as far as
-/// one of a mesh that is doubted would be (see above), and is baked if it gets to the end.
+/// 3000, ... The second, the fourth and so on have a first mesh of twice as many triangles, the
+/// third, the fifth and so on of four times as many, unless a number of triangles was asked for. If
+/// a rehearsal has doubled the mesh of the first one, that is what they are multiples of. Where
+/// only colliders move it is not: what these push through a sheet that is held is seldom a matter
+/// of its mesh, and the attempts would cost much. If handles move and the best of them holds them,
+/// but crumples, that may be what holds them. So where more than two are allowed, there is another
+/// one with the seed of the bake and eight times as many triangles. It is simulated as far as one
+/// of a mesh that is doubted would be (see above), and is baked if it gets to the end.
 ///
 /// source  this project
 class Attempts {
@@ -99,10 +100,11 @@ class Attempts {
                                             StageClock&) const;
   /// Simulates the best of all so far until it is over or hopeless, and forgets those that were
   /// never the best.
+  /// before   how many others were tried before these
   /// returns  false when it was stopped
-  bool search(Candidates& all, Progress&, StopRequest&, StageClock&) const;
+  bool search(Candidates& all, std::size_t before, Progress&, StopRequest&, StageClock&) const;
   /// Whether the best of all holds its handles, but crumples, and might not on a finer mesh.
-  bool is_crumple_doubted(const Candidates& all, const Attempt& best) const;
+  bool is_crumple_doubted(const Attempt& best) const;
   /// Lets the bake go on from what was simulated of the chosen one.
   void take_over(const AttemptChoice&);
   std::size_t most_attempts() const;  // the first one counted
@@ -128,6 +130,10 @@ class Attempts {
   Recorded recorded_ = Recorded::nothing;
   bool handles_moved_ = false, colliders_moved_ = false;  // whether any has (have_moved)
 };
+
+/// The number of the attempt that there may be when the best of those for handles crumples: beyond
+/// those of all others.
+constexpr std::size_t attempt_on_finest_mesh = 16;
 
 /// How many times as many triangles as asked for the first mesh of an attempt has. Sheets that lock
 /// on the mesh of the first attempt do so less often on twice as fine a one, and some only on a

@@ -212,8 +212,8 @@ std::vector<Option> meshes_and_physics() {
       with_default(
           {"attempts", K::whole, 1, 16}, "4",
           "How many attempts there are at most when a handle of the first one is off by more "
-          "than 1 mm: other seeds, on first meshes of 2, 4 and 8 times as many triangles in "
-          "turn. The best is baked, or if it crumples, one on 8 times as many that does not. "
+          "than 1 mm: other seeds, on first meshes of 2 and 4 times as many triangles in turn. "
+          "The best is baked, or if it crumples, another one on 8 times as many that does not. "
           "Where handles hold, but the paper gets singular points, or its triangles put it off "
           "visibly, a second attempt on 4 times as many is baked if it does better there, or a "
           "third on 8 times as many if that is in doubt, too. 1: neither of both (method hybrid)",
