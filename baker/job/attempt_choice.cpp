@@ -72,8 +72,8 @@ std::string describe(const AttemptChoice& choice) {
       choice.baked + 1, choice.tried.size(), 1e3 * baked.off);
   if (baked.base_triangles != first.base_triangles)
     text += fmt::format(", on a first mesh of {} triangles", baked.base_triangles);
-  if (const Attempt& last = choice.tried.back();
-      baked.points >= points_of_a_crumple && last.base_triangles > baked.base_triangles)
+  // only the one that is tried because the others crumple has the seed of the bake, too
+  if (const Attempt& last = choice.tried.back(); &last != &baked && last.seed_offset == 0)
     text += ", " + why_not_better(last, baked);
   return text;
 }

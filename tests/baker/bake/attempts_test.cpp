@@ -273,6 +273,23 @@ TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
   EXPECT_NE(describe(choice).find("10 % of the sheet"), std::string::npos);
 }
 
+TEST(Attempt, ThatHoldsTheHandlesIsSaidToCrumpleOnTheFinestMeshOnlyIfThatWasTried) {
+  AttemptChoice choice;
+  choice.tried.resize(3);
+  choice.baked = 1;
+  choice.tried[1].seed_offset = 1000;
+  choice.tried[1].points = 30;
+  choice.tried[2].seed_offset = 2000;
+  choice.tried[2].base_triangles = 480;
+  choice.tried[2].points = 30;
+  EXPECT_EQ(describe(choice).find("crumples"), std::string::npos) << "it was off by more";
+  choice.tried[2].seed_offset = 0;
+  choice.tried[2].base_triangles = 960;
+  EXPECT_NE(describe(choice).find("because the paper crumples on one of 960, too"),
+            std::string::npos)
+      << describe(choice);
+}
+
 TEST(Attempt, OnAFinerMeshIsBakedWhereOnlyTheFirstOneCrumples) {
   AttemptChoice choice;
   choice.reason = AttemptReason::crumpled;
